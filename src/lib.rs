@@ -1,0 +1,5 @@
+pub mod experiment;
+pub mod grid;
+pub mod map;
+pub mod measurement;
+pub mod parameters;

@@ -1,0 +1,151 @@
+//! A parameter map: axes, one column of values for each quantity, and where they came from.
+//!
+//! Owns computed data in memory; neither computes nor draws nor stores them.
+
+use crate::experiment::Experiment;
+use crate::grid::Axis;
+use crate::measurement::{Class, Measurement, Quantity};
+
+/// Values of every quantity at every point of a two-dimensional grid; x varies fastest.
+#[derive(Clone, Debug)]
+pub struct ParameterMap {
+    pub experiment: Experiment,
+    columns: Vec<Vec<f64>>,
+}
+
+impl ParameterMap {
+    /// A map in which nothing is computed yet.
+    ///
+    /// # Panics
+    /// If the experiment has not two axes.
+    pub fn new(experiment: Experiment) -> Self {
+        assert_eq!(experiment.grid.axes.len(), 2, "a map has two axes");
+        let columns = vec![vec![f64::NAN; experiment.grid.len()]; Quantity::COUNT];
+        Self { experiment, columns }
+    }
+
+    pub fn x_axis(&self) -> &Axis {
+        &self.experiment.grid.axes[0]
+    }
+
+    pub fn y_axis(&self) -> &Axis {
+        &self.experiment.grid.axes[1]
+    }
+
+    /// Values of a quantity, x fastest; NaN where not computed or not applicable.
+    pub fn column(&self, quantity: Quantity) -> &[f64] {
+        &self.columns[quantity as usize]
+    }
+
+    pub fn column_mut(&mut self, quantity: Quantity) -> &mut [f64] {
+        &mut self.columns[quantity as usize]
+    }
+
+    pub fn set(&mut self, index: usize, measurement: &Measurement) {
+        for (info, column) in crate::measurement::QUANTITIES.iter().zip(&mut self.columns) {
+            column[index] = info.quantity.of(measurement);
+        }
+    }
+
+    pub fn is_computed(&self, index: usize) -> bool {
+        !self.column(Quantity::Status)[index].is_nan()
+    }
+
+    /// The class of a point; None where it is not computed or ran away.
+    pub fn class(&self, index: usize) -> Option<Class> {
+        Class::ALL.get(code(self.column(Quantity::Class)[index])?).copied()
+    }
+
+    pub fn is_runaway(&self, index: usize) -> bool {
+        self.column(Quantity::Status)[index] == 1.0
+    }
+}
+
+fn code(value: f64) -> Option<usize> {
+    (!value.is_nan()).then_some(value as usize)
+}
+
+/// The first upward change to chaos along a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Onset {
+    /// The row's value on the y axis.
+    pub y: f64,
+    pub kind: OnsetKind,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OnsetKind {
+    /// Chaos begins at `x`, give or take `half_width`: between the last point that is decided and not chaotic, and the
+    /// first chaotic one.
+    At { x: f64, half_width: f64 },
+    /// Chaotic at the row's first decided point: the onset lies outside the map.
+    BeforeFirst,
+    /// No point of the row is chaotic.
+    Never,
+    /// Not every point up to the onset is computed.
+    Incomplete,
+}
+
+/// The threshold of chaos: for every row, where x rises (whichever way its axis runs), the first change from motion
+/// that is not chaotic to chaos. Undecided and runaway points inside the bracket widen it.
+pub fn threshold(map: &ParameterMap) -> Vec<Onset> {
+    let (x_axis, y_axis) = (map.x_axis(), map.y_axis());
+    let mut order: Vec<usize> = (0..x_axis.count).collect();
+    if x_axis.step() < 0.0 {
+        order.reverse();
+    }
+    (0..y_axis.count)
+        .map(|row| Onset { y: y_axis.value(row), kind: onset_of_row(map, row, &order) })
+        .collect()
+}
+
+fn onset_of_row(map: &ParameterMap, row: usize, columns: &[usize]) -> OnsetKind {
+    let axis = map.x_axis();
+    let mut last_other = None;
+    for &column in columns {
+        let index = row * axis.count + column;
+        if !map.is_computed(index) {
+            return OnsetKind::Incomplete;
+        }
+        match map.class(index) {
+            Some(Class::Chaotic) => {
+                let Some(before) = last_other else { return OnsetKind::BeforeFirst };
+                let (low, high) = (axis.value(before), axis.value(column));
+                return OnsetKind::At { x: 0.5 * (low + high), half_width: 0.5 * (high - low).abs() };
+            }
+            Some(Class::Regular | Class::QuasiPeriodic) => last_other = Some(column),
+            Some(Class::Undecided) | None => {}
+        }
+    }
+    OnsetKind::Never
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::Request;
+    use crate::measurement::BackendKind;
+
+    fn row(classes: &[Option<Class>], x: &str) -> OnsetKind {
+        let mut request = Request { x: Axis::parse(x).unwrap(), ..Request::default() };
+        request.y.count = 2;
+        let mut map = ParameterMap::new(request.resolve().unwrap());
+        for (index, class) in classes.iter().enumerate() {
+            let measurement = Measurement { class: *class, ..Measurement::runaway(0.0, BackendKind::CpuF64) };
+            map.set(index, &measurement);
+        }
+        threshold(&map)[0].kind
+    }
+
+    #[test]
+    fn the_threshold_is_the_middle_of_the_bracket() {
+        let (c, r, u) = (Some(Class::Chaotic), Some(Class::Regular), Some(Class::Undecided));
+        assert_eq!(row(&[r, r, c, r, c], "zeta_k=0:4:5"), OnsetKind::At { x: 1.5, half_width: 0.5 });
+        assert_eq!(row(&[r, u, c, r, c], "zeta_k=0:4:5"), OnsetKind::At { x: 1.0, half_width: 1.0 });
+        assert_eq!(row(&[r, None, c, r, c], "zeta_k=0:4:5"), OnsetKind::At { x: 1.0, half_width: 1.0 });
+        assert_eq!(row(&[c, r, c, r, c], "zeta_k=0:4:5"), OnsetKind::BeforeFirst);
+        assert_eq!(row(&[r, r, u, r, r], "zeta_k=0:4:5"), OnsetKind::Never);
+        assert_eq!(row(&[r, r], "zeta_k=0:4:5"), OnsetKind::Incomplete);
+        assert_eq!(row(&[c, c, c, r, r], "zeta_k=4:0:5"), OnsetKind::At { x: 1.5, half_width: 0.5 });
+    }
+}

@@ -1,0 +1,298 @@
+//! What is measured of one instance, how it is classified, and the table of quantities.
+//!
+//! Owns the meaning of every number that leaves the program; knows nothing of how it was integrated or is stored.
+
+use serde::{Deserialize, Serialize};
+
+/// How the integration of an instance ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Status {
+    Ok,
+    /// The state became non-finite, or left |x|, |y| < [`RUNAWAY_BOUND`].
+    Runaway {
+        /// The end of the forcing period in which it happened, in units of tau from the start of the run.
+        time: f64,
+    },
+}
+
+/// A state with |x| or |y| at or above this has run away: all bounded motion of the system is O(1).
+pub const RUNAWAY_BOUND: f64 = 1e4;
+
+/// The kind of motion; [`Class::of`] defines it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Class {
+    Chaotic,
+    Regular,
+    QuasiPeriodic,
+    Undecided,
+}
+
+/// Where and in which number type an instance was integrated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BackendKind {
+    CpuF64,
+    CpuF32,
+    GpuF32,
+}
+
+/// The weighted Birkhoff average of a quasi-periodic orbit's exponent lies within this of zero.
+pub const QUASI_PERIODIC_BOUND: f64 = 1e-3;
+
+/// A cycle whose exponent is positive with a standard error below this repeats the same growth period by period: the
+/// orbit began on an unstable cycle and stayed there, which is not chaos.
+const CONSTANT_GROWTH: f64 = 1e-9;
+
+impl Class {
+    pub const ALL: [Self; 4] = [Self::Chaotic, Self::Regular, Self::QuasiPeriodic, Self::Undecided];
+
+    /// Classifies an orbit by its maximal exponent `lyapunov` with standard error `error`, the period of the cycle it
+    /// has settled on, and the weighted Birkhoff average of the exponent. In this order:
+    ///
+    /// - chaotic: `lyapunov - 3 error > 0`;
+    /// - regular: `lyapunov + 3 error < 0`, or settled on a cycle;
+    /// - quasi-periodic: `|birkhoff| <` [`QUASI_PERIODIC_BOUND`];
+    /// - undecided: all else.
+    pub fn of(lyapunov: f64, error: f64, period: Option<u32>, birkhoff: f64) -> Self {
+        let on_unstable_cycle = period.is_some() && error < CONSTANT_GROWTH;
+        if lyapunov - 3.0 * error > 0.0 && !on_unstable_cycle {
+            Self::Chaotic
+        } else if lyapunov + 3.0 * error < 0.0 || period.is_some() {
+            Self::Regular
+        } else if birkhoff.abs() < QUASI_PERIODIC_BOUND {
+            Self::QuasiPeriodic
+        } else {
+            Self::Undecided
+        }
+    }
+
+    pub fn name(self) -> &'static str {
+        CLASS_NAMES[self as usize]
+    }
+}
+
+const CLASS_NAMES: &[&str] = &["chaotic", "regular", "quasi_periodic", "undecided"];
+const STATUS_NAMES: &[&str] = &["ok", "runaway"];
+const BACKEND_NAMES: &[&str] = &["cpu_f64", "cpu_f32", "gpu_f32"];
+
+impl Status {
+    pub fn name(self) -> &'static str {
+        STATUS_NAMES[self.code() as usize]
+    }
+
+    fn code(self) -> u8 {
+        match self {
+            Self::Ok => 0,
+            Self::Runaway { .. } => 1,
+        }
+    }
+}
+
+impl BackendKind {
+    pub fn name(self) -> &'static str {
+        BACKEND_NAMES[self as usize]
+    }
+
+    pub fn precision(self) -> &'static str {
+        match self {
+            Self::CpuF64 => "f64",
+            Self::CpuF32 | Self::GpuF32 => "f32",
+        }
+    }
+}
+
+/// What is measured of one point. Numbers are NaN where they do not apply (after a runaway).
+#[derive(Clone, Copy, Debug)]
+pub struct Measurement {
+    pub status: Status,
+    /// None after a runaway.
+    pub class: Option<Class>,
+    /// Maximal exponent, the larger of the two non-trivial ones, per unit of tau.
+    pub lyapunov: f64,
+    /// Its standard error, by batch means.
+    pub lyapunov_error: f64,
+    /// The smaller of the two non-trivial exponents.
+    pub lyapunov_second: f64,
+    /// Mean divergence of the flow, which the sum of the two exponents equals.
+    pub divergence: f64,
+    /// Weighted Birkhoff average of the maximal exponent.
+    pub lyapunov_birkhoff: f64,
+    /// Least number of forcing periods after which the motion repeats; None unless settled on a cycle.
+    pub period: Option<u32>,
+    /// Last stroboscopic state, at drive phase 0.
+    pub x: f64,
+    pub y: f64,
+    /// Extremes of x over the measured periods.
+    pub x_min: f64,
+    pub x_max: f64,
+    /// Fraction of the initial states whose motion is chaotic.
+    pub chaotic_fraction: f64,
+    /// Number of distinct attractors that the initial states lead to.
+    pub attractors: u32,
+    pub backend: BackendKind,
+}
+
+impl Measurement {
+    /// The measurement of an orbit that ran away at `time`.
+    pub fn runaway(time: f64, backend: BackendKind) -> Self {
+        Self {
+            status: Status::Runaway { time },
+            class: None,
+            lyapunov: f64::NAN,
+            lyapunov_error: f64::NAN,
+            lyapunov_second: f64::NAN,
+            divergence: f64::NAN,
+            lyapunov_birkhoff: f64::NAN,
+            period: None,
+            x: f64::NAN,
+            y: f64::NAN,
+            x_min: f64::NAN,
+            x_max: f64::NAN,
+            chaotic_fraction: 0.0,
+            attractors: 0,
+            backend,
+        }
+    }
+
+    /// Difference between the sum of the exponents and the mean divergence: the program's check of itself.
+    pub fn divergence_defect(&self) -> f64 {
+        self.lyapunov + self.lyapunov_second - self.divergence
+    }
+}
+
+/// A quantity that a map holds for every point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    Lyapunov,
+    LyapunovError,
+    LyapunovSecond,
+    Divergence,
+    LyapunovBirkhoff,
+    Period,
+    X,
+    Y,
+    XMin,
+    XMax,
+    ChaoticFraction,
+    Attractors,
+    RunawayTime,
+    Class,
+    Status,
+    Backend,
+}
+
+/// How a quantity's values are to be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Values {
+    /// A number; NaN where it does not apply.
+    Number,
+    /// An index into these names; NaN where it does not apply.
+    Code(&'static [&'static str]),
+}
+
+/// What the table says of one quantity.
+#[derive(Clone, Copy, Debug)]
+pub struct QuantityInfo {
+    pub quantity: Quantity,
+    pub name: &'static str,
+    /// For axes and colour bars.
+    pub label: &'static str,
+    pub units: &'static str,
+    pub values: Values,
+}
+
+macro_rules! quantity_table {
+    ($($quantity:ident $name:literal $label:literal $units:literal $values:expr;)*) => {
+        /// Every quantity, in the order of [`Quantity`].
+        pub const QUANTITIES: &[QuantityInfo] = &[$(QuantityInfo {
+            quantity: Quantity::$quantity, name: $name, label: $label, units: $units, values: $values,
+        }),*];
+    };
+}
+
+quantity_table! {
+    Lyapunov         "lyapunov"          "maximal Lyapunov exponent λ₁"            "1/tau" Values::Number;
+    LyapunovError    "lyapunov_error"    "standard error of λ₁"                    "1/tau" Values::Number;
+    LyapunovSecond   "lyapunov_second"   "second Lyapunov exponent λ₂"             "1/tau" Values::Number;
+    Divergence       "divergence"        "mean divergence"                         "1/tau" Values::Number;
+    LyapunovBirkhoff "lyapunov_birkhoff" "weighted Birkhoff average of λ₁"         "1/tau" Values::Number;
+    Period           "period"            "period of the motion / forcing period"   "1"     Values::Number;
+    X                "x"                 "last stroboscopic angle x"               "1"     Values::Number;
+    Y                "y"                 "last stroboscopic angular speed y"       "1"     Values::Number;
+    XMin             "x_min"             "least angle x"                           "1"     Values::Number;
+    XMax             "x_max"             "greatest angle x"                        "1"     Values::Number;
+    ChaoticFraction  "chaotic_fraction"  "fraction of initial states with chaos"   "1"     Values::Number;
+    Attractors       "attractors"        "number of distinct attractors"           "1"     Values::Number;
+    RunawayTime      "runaway_time"      "time of runaway"                         "tau"   Values::Number;
+    Class            "class"             "kind of motion"                          "1"     Values::Code(CLASS_NAMES);
+    Status           "status"            "how the integration ended"               "1"     Values::Code(STATUS_NAMES);
+    Backend          "backend"           "where the point was integrated"          "1"     Values::Code(BACKEND_NAMES);
+}
+
+impl Quantity {
+    pub const COUNT: usize = QUANTITIES.len();
+
+    /// The quantity's row of the table.
+    pub fn info(self) -> &'static QuantityInfo {
+        &QUANTITIES[self as usize]
+    }
+
+    /// The quantity's value in a measurement; codes are indices into their names.
+    pub fn of(self, measurement: &Measurement) -> f64 {
+        let m = measurement;
+        match self {
+            Self::Lyapunov => m.lyapunov,
+            Self::LyapunovError => m.lyapunov_error,
+            Self::LyapunovSecond => m.lyapunov_second,
+            Self::Divergence => m.divergence,
+            Self::LyapunovBirkhoff => m.lyapunov_birkhoff,
+            Self::Period => m.period.map_or(f64::NAN, f64::from),
+            Self::X => m.x,
+            Self::Y => m.y,
+            Self::XMin => m.x_min,
+            Self::XMax => m.x_max,
+            Self::ChaoticFraction => m.chaotic_fraction,
+            Self::Attractors => f64::from(m.attractors),
+            Self::RunawayTime => match m.status {
+                Status::Runaway { time } => time,
+                Status::Ok => f64::NAN,
+            },
+            Self::Class => m.class.map_or(f64::NAN, |class| f64::from(class as u8)),
+            Self::Status => f64::from(m.status.code()),
+            Self::Backend => f64::from(m.backend as u8),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_are_in_the_order_of_their_enums() {
+        for (index, info) in QUANTITIES.iter().enumerate() {
+            assert_eq!(info.quantity as usize, index);
+            assert_eq!(serde_json::to_value(info.quantity).unwrap(), info.name);
+        }
+        for class in Class::ALL {
+            assert_eq!(serde_json::to_value(class).unwrap(), class.name());
+        }
+        for backend in [BackendKind::CpuF64, BackendKind::CpuF32, BackendKind::GpuF32] {
+            assert_eq!(serde_json::to_value(backend).unwrap(), backend.name());
+        }
+    }
+
+    #[test]
+    fn classes_follow_their_definition() {
+        assert_eq!(Class::of(0.1, 0.01, None, 0.1), Class::Chaotic);
+        // a laminar phase passes for a cycle, the growth over the whole window tells
+        assert_eq!(Class::of(0.1, 0.01, Some(3), 0.1), Class::Chaotic);
+        assert_eq!(Class::of(1.0, 0.0, Some(1), 1.0), Class::Regular);
+        assert_eq!(Class::of(-0.1, 0.01, None, -0.1), Class::Regular);
+        assert_eq!(Class::of(-0.001, 0.01, Some(2), -0.001), Class::Regular);
+        assert_eq!(Class::of(1e-4, 1e-3, None, 9e-4), Class::QuasiPeriodic);
+        assert_eq!(Class::of(0.01, 0.01, None, 0.01), Class::Undecided);
+    }
+}

@@ -1,0 +1,203 @@
+//! The one table of model parameters: name, symbol, default, range, meaning, source.
+//!
+//! Owns what a parameter is called and which values it may take; knows nothing of axes, files or numerics.
+
+use std::fmt;
+use std::ops::{Index, IndexMut};
+
+use serde::{Deserialize, Serialize};
+
+/// A dimensionless parameter of the bush-shaft system, or a component of its initial state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Parameter {
+    ZetaK,
+    H1,
+    #[serde(rename = "omega_0")]
+    Omega0,
+    OmegaK,
+    B,
+    Epsilon,
+    #[serde(rename = "f_0")]
+    F0,
+    Alpha,
+    Beta,
+    #[serde(rename = "epsilon_0")]
+    Epsilon0,
+    X0,
+    Y0,
+}
+
+/// What the table says of one parameter.
+#[derive(Clone, Copy, Debug)]
+pub struct ParameterInfo {
+    pub parameter: Parameter,
+    /// The name used in commands, files and data.
+    pub name: &'static str,
+    /// The symbol used in pictures.
+    pub symbol: &'static str,
+    pub default: f64,
+    /// Least and greatest admissible value, both included.
+    pub range: (f64, f64),
+    pub meaning: &'static str,
+    /// Where the parameter enters: equation of Awrejcewicz and Pyryev (2006).
+    pub source: &'static str,
+}
+
+macro_rules! parameter_table {
+    ($($parameter:ident $name:literal $symbol:literal $default:literal [$min:literal, $max:literal] $source:literal $meaning:literal;)*) => {
+        /// Every parameter, in the order in which they are listed to users.
+        pub const PARAMETERS: &[ParameterInfo] = &[$(ParameterInfo {
+            parameter: Parameter::$parameter,
+            name: $name,
+            symbol: $symbol,
+            default: $default,
+            range: ($min, $max),
+            meaning: $meaning,
+            source: $source,
+        }),*];
+    };
+}
+
+parameter_table! {
+    ZetaK    "zeta_k"    "ζₖ" 3.9  [0.0, 1000.0]     "(2.1)" "amplitude of the shaft's speed";
+    H1       "h1"        "h₁" 0.5  [-1000.0, 1000.0] "(3.2)" "viscous damping of the bush, 2h/epsilon";
+    Omega0   "omega_0"   "ω₀" 2.0  [1e-3, 1000.0]    "(3.2)" "frequency of the shaft's speed";
+    OmegaK   "omega_k"   "ωₖ" 0.4  [-1000.0, 1000.0] "(2.1)" "mean speed of the shaft";
+    B        "b"         "b"  1.0  [-1000.0, 1000.0] "(2.1)" "cubic stiffness of the springs";
+    Epsilon  "epsilon"   "ε"  0.1  [0.0, 1000.0]     "(2.1)" "strength of the friction, and of the damping epsilon h1";
+    F0       "f_0"       "F₀" 0.3  [0.0, 1000.0]     "(3.2)" "dry part of the kinetic friction";
+    Alpha    "alpha"     "α"  0.3  [-1000.0, 1000.0] "(3.2)" "linear fall of the friction with sliding speed";
+    Beta     "beta"      "β"  0.3  [-1000.0, 1000.0] "(3.2)" "cubic rise of the friction with sliding speed";
+    Epsilon0 "epsilon_0" "ε₀" 0.01 [1e-6, 10.0]      "(3.1)" "half-width of the regularised friction layer";
+    X0       "x0"        "x₀" 0.1  [-100.0, 100.0]   "(2.1)" "initial angle of the bush";
+    Y0       "y0"        "y₀" 0.0  [-100.0, 100.0]   "(2.1)" "initial angular speed of the bush";
+}
+
+impl Parameter {
+    pub const COUNT: usize = PARAMETERS.len();
+
+    /// The parameter's row of the table.
+    pub fn info(self) -> &'static ParameterInfo {
+        &PARAMETERS[self as usize]
+    }
+
+    pub fn name(self) -> &'static str {
+        self.info().name
+    }
+
+    /// Finds a parameter by its name.
+    ///
+    /// # Errors
+    /// [`ParameterError::Unknown`] with the nearest known name, if one is near.
+    pub fn from_name(name: &str) -> Result<Self, ParameterError> {
+        if let Some(info) = PARAMETERS.iter().find(|info| info.name == name) {
+            return Ok(info.parameter);
+        }
+        let suggestion = PARAMETERS
+            .iter()
+            .map(|info| (strsim::damerau_levenshtein(&name.to_lowercase(), info.name), info.name))
+            .min()
+            .filter(|(distance, near)| *distance <= 1 + near.len() / 4)
+            .map(|(_, near)| near);
+        Err(ParameterError::Unknown { name: name.to_owned(), suggestion })
+    }
+
+    /// Checks that the parameter may take `value`.
+    ///
+    /// # Errors
+    /// [`ParameterError::OutOfRange`], also for NaN and infinities.
+    pub fn check(self, value: f64) -> Result<(), ParameterError> {
+        let (min, max) = self.info().range;
+        if (min..=max).contains(&value) {
+            Ok(())
+        } else {
+            Err(ParameterError::OutOfRange { name: self.name(), value, min, max })
+        }
+    }
+}
+
+impl fmt::Display for Parameter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A value for every parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParameterSet([f64; Parameter::COUNT]);
+
+impl Default for ParameterSet {
+    fn default() -> Self {
+        let mut values = [0.0; Parameter::COUNT];
+        for info in PARAMETERS {
+            values[info.parameter as usize] = info.default;
+        }
+        Self(values)
+    }
+}
+
+impl ParameterSet {
+    /// The set with one value replaced (not checked against the range).
+    #[must_use]
+    pub fn with(mut self, parameter: Parameter, value: f64) -> Self {
+        self[parameter] = value;
+        self
+    }
+}
+
+impl Index<Parameter> for ParameterSet {
+    type Output = f64;
+    fn index(&self, parameter: Parameter) -> &f64 {
+        &self.0[parameter as usize]
+    }
+}
+
+impl IndexMut<Parameter> for ParameterSet {
+    fn index_mut(&mut self, parameter: Parameter) -> &mut f64 {
+        &mut self.0[parameter as usize]
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ParameterError {
+    #[error(
+        "unknown parameter `{name}`{}; `tribochaos map --help` lists them all",
+        suggestion.map(|near| format!(": did you mean `{near}`?")).unwrap_or_default()
+    )]
+    Unknown { name: String, suggestion: Option<&'static str> },
+    #[error("{name} = {value} is out of range: it must be a number from {min} to {max}")]
+    OutOfRange { name: &'static str, value: f64, min: f64, max: f64 },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_in_the_order_of_the_enum_and_agrees_with_the_file_names() {
+        for (index, info) in PARAMETERS.iter().enumerate() {
+            assert_eq!(info.parameter as usize, index, "{}", info.name);
+            assert_eq!(serde_json::to_value(info.parameter).unwrap(), info.name);
+            assert_eq!(Parameter::from_name(info.name), Ok(info.parameter));
+            info.parameter.check(info.default).unwrap();
+        }
+    }
+
+    #[test]
+    fn near_misses_are_suggested_and_strangers_are_not() {
+        let unknown = |name| Parameter::from_name(name).unwrap_err().to_string();
+        assert!(unknown("zetak").contains("did you mean `zeta_k`?"));
+        assert!(unknown("epsilon0").contains("did you mean `epsilon_0`?"));
+        assert!(unknown("H1").contains("did you mean `h1`?"));
+        assert!(!unknown("temperature").contains("did you mean"));
+    }
+
+    #[test]
+    fn values_that_are_no_numbers_or_out_of_range_are_refused() {
+        for value in [f64::NAN, f64::INFINITY, 0.0, -1.0] {
+            assert!(Parameter::Epsilon0.check(value).is_err());
+        }
+        assert!(Parameter::H1.check(-0.8).is_ok());
+    }
+}
