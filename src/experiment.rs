@@ -96,7 +96,10 @@ impl Default for Settings {
             precision: None,
             adapter: None,
             initial_states: 1,
-            initial_box: InitialBox { x: [-2.0, 2.0], y: [-2.0, 2.0] },
+            initial_box: InitialBox {
+                x: [-2.0, 2.0],
+                y: [-2.0, 2.0],
+            },
             seed: 1,
             audit: None,
         }
@@ -117,18 +120,25 @@ impl Settings {
         };
         range("steps_per_period", self.steps_per_period.into(), 8.0, 100_000.0)?;
         range("transient_periods", self.transient_periods.into(), 0.0, 1e7)?;
-        range("align_periods", self.align_periods.into(), 0.0, self.transient_periods.into())?;
+        range(
+            "align_periods",
+            self.align_periods.into(),
+            0.0,
+            self.transient_periods.into(),
+        )?;
         range("periods", self.periods.into(), 16.0, 1e7)?;
         range("renormalise_every", self.renormalise_every.into(), 1.0, 100_000.0)?;
         range("period_tolerance", self.period_tolerance, 1e-12, 0.1)?;
         range("initial_states", self.initial_states.into(), 1.0, 10_000.0)?;
-        for (parameter, [low, high]) in
-            [(Parameter::X0, self.initial_box.x), (Parameter::Y0, self.initial_box.y)]
-        {
+        for (parameter, [low, high]) in [(Parameter::X0, self.initial_box.x), (Parameter::Y0, self.initial_box.y)] {
             parameter.check(low)?;
             parameter.check(high)?;
             if low > high {
-                return Err(ExperimentError::InitialBox { name: parameter.name(), low, high });
+                return Err(ExperimentError::InitialBox {
+                    name: parameter.name(),
+                    low,
+                    high,
+                });
             }
         }
         if self.precision == Some(Precision::F64) && self.backend == BackendChoice::Gpu {
@@ -169,8 +179,18 @@ impl Default for Request {
     fn default() -> Self {
         Self {
             out: None,
-            x: Axis { parameter: Parameter::ZetaK, start: 0.0, stop: 12.0, count: 300 },
-            y: Axis { parameter: Parameter::H1, start: 0.0, stop: 2.0, count: 201 },
+            x: Axis {
+                parameter: Parameter::ZetaK,
+                start: 0.0,
+                stop: 12.0,
+                count: 300,
+            },
+            y: Axis {
+                parameter: Parameter::H1,
+                start: 0.0,
+                stop: 2.0,
+                count: 201,
+            },
             set: BTreeMap::new(),
             settings: Settings::default(),
         }
@@ -193,7 +213,9 @@ impl Request {
             axis.check()?;
         }
         if self.x.parameter == self.y.parameter {
-            return Err(ExperimentError::SameAxes { name: self.x.parameter.name() });
+            return Err(ExperimentError::SameAxes {
+                name: self.x.parameter.name(),
+            });
         }
         self.resolve_over(vec![self.x, self.y])
     }
@@ -216,10 +238,12 @@ impl Request {
             parameter.check(value)?;
             fixed[parameter] = value;
         }
-        let experiment = Experiment { grid: Grid { axes, fixed }, settings: self.settings.clone() };
+        let experiment = Experiment {
+            grid: Grid { axes, fixed },
+            settings: self.settings.clone(),
+        };
         experiment.settings.check()?;
-        if experiment.settings.precision == Some(Precision::F32) || experiment.settings.backend == BackendChoice::Gpu
-        {
+        if experiment.settings.precision == Some(Precision::F32) || experiment.settings.backend == BackendChoice::Gpu {
             experiment.check_f32()?;
         }
         Ok(experiment)
@@ -267,8 +291,8 @@ impl Experiment {
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         // RK4 is stable where (decay rate)*(step) is below 2.785; the layer's decay rate is eps*F0*2/eps0.
-        let rate = self.extent(Parameter::Epsilon).1 * self.extent(Parameter::F0).1 * 2.0
-            / self.extent(Parameter::Epsilon0).0;
+        let rate =
+            self.extent(Parameter::Epsilon).1 * self.extent(Parameter::F0).1 * 2.0 / self.extent(Parameter::Epsilon0).0;
         let step = TAU / (self.extent(Parameter::Omega0).0 * f64::from(self.settings.steps_per_period));
         if rate * step > 2.785 {
             let enough = (f64::from(self.settings.steps_per_period) * rate * step / 2.0).ceil();
@@ -285,12 +309,17 @@ impl Experiment {
     /// # Panics
     /// If the experiment has not two axes.
     pub fn to_toml(&self) -> String {
-        let [x, y] = self.grid.axes[..] else { panic!("an experiment file describes two axes") };
+        let [x, y] = self.grid.axes[..] else {
+            panic!("an experiment file describes two axes")
+        };
         let request = Request {
             out: None,
             x,
             y,
-            set: self.fixed_parameters().map(|(parameter, value)| (parameter.name().to_owned(), value)).collect(),
+            set: self
+                .fixed_parameters()
+                .map(|(parameter, value)| (parameter.name().to_owned(), value))
+                .collect(),
             settings: self.settings.clone(),
         };
         toml::to_string(&request).expect("a request has a TOML form")
@@ -304,7 +333,12 @@ pub enum ExperimentError {
     #[error(transparent)]
     Axis(#[from] AxisError),
     #[error("{name} = {value} is out of range: it must be from {min} to {max}")]
-    Setting { name: &'static str, value: f64, min: f64, max: f64 },
+    Setting {
+        name: &'static str,
+        value: f64,
+        min: f64,
+        max: f64,
+    },
     #[error("the initial box of {name} runs from {low} down to {high}: give the lower end first")]
     InitialBox { name: &'static str, low: f64, high: f64 },
     #[error("both axes are {name}: give x and y different parameters")]
@@ -355,10 +389,16 @@ mod tests {
             ("[settings]\nbackend = \"gpu\"\nprecision = \"f64\"", "f32"),
             ("[settings]\nbackend = \"gpu\"\n[set]\nepsilon_0 = 1e-5", "too thin"),
             ("[settings]\nscheme = \"euler\"", "rk4"),
-            ("[y]\nparameter = \"zeta_k\"\nstart = 0\nstop = 1\ncount = 5", "different parameters"),
+            (
+                "[y]\nparameter = \"zeta_k\"\nstart = 0\nstop = 1\ncount = 5",
+                "different parameters",
+            ),
             ("[settings.initial_box]\nx = [1, -1]\ny = [0, 1]", "lower end first"),
         ] {
-            let message = Request::from_toml(toml).and_then(|request| request.resolve()).unwrap_err().to_string();
+            let message = Request::from_toml(toml)
+                .and_then(|request| request.resolve())
+                .unwrap_err()
+                .to_string();
             assert!(message.contains(reason), "{toml}: {message}");
         }
     }

@@ -24,7 +24,12 @@ impl Axis {
     /// If an end is out of the parameter's range, the ends are equal, or the count is below 2 or above
     /// [`Axis::MAX_COUNT`].
     pub fn new(parameter: Parameter, start: f64, stop: f64, count: usize) -> Result<Self, AxisError> {
-        let axis = Self { parameter, start, stop, count };
+        let axis = Self {
+            parameter,
+            start,
+            stop,
+            count,
+        };
         axis.check()?;
         Ok(axis)
     }
@@ -38,10 +43,16 @@ impl Axis {
         self.parameter.check(self.start)?;
         self.parameter.check(self.stop)?;
         if self.start == self.stop {
-            return Err(AxisError::Empty { name, value: self.start });
+            return Err(AxisError::Empty {
+                name,
+                value: self.start,
+            });
         }
         if self.count < 2 || self.count > Self::MAX_COUNT {
-            return Err(AxisError::Count { name, count: self.count });
+            return Err(AxisError::Count {
+                name,
+                count: self.count,
+            });
         }
         Ok(())
     }
@@ -55,7 +66,9 @@ impl Axis {
         let (name, range) = text.split_once('=').ok_or_else(malformed)?;
         let parameter = Parameter::from_name(name.trim())?;
         let fields: Vec<&str> = range.split(':').map(str::trim).collect();
-        let [start, stop, count] = fields[..] else { return Err(malformed()) };
+        let [start, stop, count] = fields[..] else {
+            return Err(malformed());
+        };
         Self::new(
             parameter,
             start.parse().map_err(|_| malformed())?,
@@ -126,11 +139,23 @@ mod tests {
 
     #[test]
     fn the_first_axis_varies_fastest_and_the_ends_are_met() {
-        let axes = vec![Axis::parse("zeta_k=0:12:4").unwrap(), Axis::parse("h1=2:0.1:3").unwrap()];
-        let grid = Grid { axes, fixed: ParameterSet::default() };
+        let axes = vec![
+            Axis::parse("zeta_k=0:12:4").unwrap(),
+            Axis::parse("h1=2:0.1:3").unwrap(),
+        ];
+        let grid = Grid {
+            axes,
+            fixed: ParameterSet::default(),
+        };
         assert_eq!(grid.len(), 12);
-        assert_eq!((grid.point(3)[Parameter::ZetaK], grid.point(3)[Parameter::H1]), (12.0, 2.0));
-        assert_eq!((grid.point(8)[Parameter::ZetaK], grid.point(11)[Parameter::H1]), (0.0, 0.1));
+        assert_eq!(
+            (grid.point(3)[Parameter::ZetaK], grid.point(3)[Parameter::H1]),
+            (12.0, 2.0)
+        );
+        assert_eq!(
+            (grid.point(8)[Parameter::ZetaK], grid.point(11)[Parameter::H1]),
+            (0.0, 0.1)
+        );
     }
 
     #[test]

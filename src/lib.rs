@@ -1,5 +1,9 @@
+pub mod backend;
+pub mod dynamics;
 pub mod experiment;
 pub mod grid;
+pub mod lanes;
 pub mod map;
 pub mod measurement;
+pub mod model;
 pub mod parameters;

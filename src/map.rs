@@ -95,7 +95,10 @@ pub fn threshold(map: &ParameterMap) -> Vec<Onset> {
         order.reverse();
     }
     (0..y_axis.count)
-        .map(|row| Onset { y: y_axis.value(row), kind: onset_of_row(map, row, &order) })
+        .map(|row| Onset {
+            y: y_axis.value(row),
+            kind: onset_of_row(map, row, &order),
+        })
         .collect()
 }
 
@@ -109,9 +112,14 @@ fn onset_of_row(map: &ParameterMap, row: usize, columns: &[usize]) -> OnsetKind 
         }
         match map.class(index) {
             Some(Class::Chaotic) => {
-                let Some(before) = last_other else { return OnsetKind::BeforeFirst };
+                let Some(before) = last_other else {
+                    return OnsetKind::BeforeFirst;
+                };
                 let (low, high) = (axis.value(before), axis.value(column));
-                return OnsetKind::At { x: 0.5 * (low + high), half_width: 0.5 * (high - low).abs() };
+                return OnsetKind::At {
+                    x: 0.5 * (low + high),
+                    half_width: 0.5 * (high - low).abs(),
+                };
             }
             Some(Class::Regular | Class::QuasiPeriodic) => last_other = Some(column),
             Some(Class::Undecided) | None => {}
@@ -127,11 +135,17 @@ mod tests {
     use crate::measurement::BackendKind;
 
     fn row(classes: &[Option<Class>], x: &str) -> OnsetKind {
-        let mut request = Request { x: Axis::parse(x).unwrap(), ..Request::default() };
+        let mut request = Request {
+            x: Axis::parse(x).unwrap(),
+            ..Request::default()
+        };
         request.y.count = 2;
         let mut map = ParameterMap::new(request.resolve().unwrap());
         for (index, class) in classes.iter().enumerate() {
-            let measurement = Measurement { class: *class, ..Measurement::runaway(0.0, BackendKind::CpuF64) };
+            let measurement = Measurement {
+                class: *class,
+                ..Measurement::runaway(0.0, BackendKind::CpuF64)
+            };
             map.set(index, &measurement);
         }
         threshold(&map)[0].kind
@@ -140,12 +154,36 @@ mod tests {
     #[test]
     fn the_threshold_is_the_middle_of_the_bracket() {
         let (c, r, u) = (Some(Class::Chaotic), Some(Class::Regular), Some(Class::Undecided));
-        assert_eq!(row(&[r, r, c, r, c], "zeta_k=0:4:5"), OnsetKind::At { x: 1.5, half_width: 0.5 });
-        assert_eq!(row(&[r, u, c, r, c], "zeta_k=0:4:5"), OnsetKind::At { x: 1.0, half_width: 1.0 });
-        assert_eq!(row(&[r, None, c, r, c], "zeta_k=0:4:5"), OnsetKind::At { x: 1.0, half_width: 1.0 });
+        assert_eq!(
+            row(&[r, r, c, r, c], "zeta_k=0:4:5"),
+            OnsetKind::At {
+                x: 1.5,
+                half_width: 0.5
+            }
+        );
+        assert_eq!(
+            row(&[r, u, c, r, c], "zeta_k=0:4:5"),
+            OnsetKind::At {
+                x: 1.0,
+                half_width: 1.0
+            }
+        );
+        assert_eq!(
+            row(&[r, None, c, r, c], "zeta_k=0:4:5"),
+            OnsetKind::At {
+                x: 1.0,
+                half_width: 1.0
+            }
+        );
         assert_eq!(row(&[c, r, c, r, c], "zeta_k=0:4:5"), OnsetKind::BeforeFirst);
         assert_eq!(row(&[r, r, u, r, r], "zeta_k=0:4:5"), OnsetKind::Never);
         assert_eq!(row(&[r, r], "zeta_k=0:4:5"), OnsetKind::Incomplete);
-        assert_eq!(row(&[c, c, c, r, r], "zeta_k=4:0:5"), OnsetKind::At { x: 1.5, half_width: 0.5 });
+        assert_eq!(
+            row(&[c, c, c, r, r], "zeta_k=4:0:5"),
+            OnsetKind::At {
+                x: 1.5,
+                half_width: 0.5
+            }
+        );
     }
 }

@@ -100,7 +100,10 @@ impl Parameter {
             .min()
             .filter(|(distance, near)| *distance <= 1 + near.len() / 4)
             .map(|(_, near)| near);
-        Err(ParameterError::Unknown { name: name.to_owned(), suggestion })
+        Err(ParameterError::Unknown {
+            name: name.to_owned(),
+            suggestion,
+        })
     }
 
     /// Checks that the parameter may take `value`.
@@ -112,7 +115,12 @@ impl Parameter {
         if (min..=max).contains(&value) {
             Ok(())
         } else {
-            Err(ParameterError::OutOfRange { name: self.name(), value, min, max })
+            Err(ParameterError::OutOfRange {
+                name: self.name(),
+                value,
+                min,
+                max,
+            })
         }
     }
 }
@@ -165,9 +173,17 @@ pub enum ParameterError {
         "unknown parameter `{name}`{}; `tribochaos map --help` lists them all",
         suggestion.map(|near| format!(": did you mean `{near}`?")).unwrap_or_default()
     )]
-    Unknown { name: String, suggestion: Option<&'static str> },
+    Unknown {
+        name: String,
+        suggestion: Option<&'static str>,
+    },
     #[error("{name} = {value} is out of range: it must be a number from {min} to {max}")]
-    OutOfRange { name: &'static str, value: f64, min: f64, max: f64 },
+    OutOfRange {
+        name: &'static str,
+        value: f64,
+        min: f64,
+        max: f64,
+    },
 }
 
 #[cfg(test)]

@@ -1,0 +1,224 @@
+//! Backends carry batches of instances on in time; the driver here turns what they sum up into measurements.
+//!
+//! Owns the contract between the host and a backend, and the order of a run: transient, alignment, measurement. Knows
+//! nothing of grids, files or progress bars.
+
+pub mod cpu;
+
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+use crate::dynamics::{statistics, stroboscope};
+use crate::experiment::Settings;
+use crate::measurement::{BackendKind, Class, Measurement, Status};
+use crate::parameters::{Parameter, ParameterSet};
+
+/// What the forcing periods of a slice are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// The motion alone settles.
+    Transient,
+    /// The tangent vectors turn to their directions; nothing is summed up.
+    Align,
+    /// Everything is summed up.
+    Measure,
+}
+
+/// Some forcing periods that a backend carries its whole batch on by.
+#[derive(Clone, Copy, Debug)]
+pub struct Slice {
+    pub stage: Stage,
+    /// Index of the first period within its stage.
+    pub first: u32,
+    pub periods: u32,
+    /// Periods since the start of the run.
+    pub elapsed: u32,
+}
+
+/// Sums over one instance's measured periods since they were last collected.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sums {
+    /// Logarithm of the growth of the first and of the second tangent vector.
+    pub growth: [f64; 2],
+    /// Growth of the first vector, weighted for the Birkhoff average (weights of sum 1 over all periods).
+    pub birkhoff: f64,
+    /// Integral of the divergence over tau.
+    pub divergence: f64,
+}
+
+/// What is left of an instance at the end of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct EndState {
+    pub x: f64,
+    pub y: f64,
+    pub x_min: f64,
+    pub x_max: f64,
+    /// Candidates for the period; see [`stroboscope::period`].
+    pub candidates: u32,
+    /// The forcing period of the run, counted from 1, at whose end the instance was first found to have run away.
+    pub runaway_period: Option<u32>,
+}
+
+/// Integrates batches of instances.
+pub trait Backend {
+    fn kind(&self) -> BackendKind;
+
+    /// The device, for people: its name and what of it is used.
+    fn device(&self) -> String;
+
+    /// A good number of instances for one batch: enough to fill the device, not more than it holds.
+    fn batch_size(&self) -> usize;
+
+    /// Takes a new batch, at the beginning of its run; what was loaded before is dropped.
+    ///
+    /// # Errors
+    /// If the device cannot hold the batch or is lost.
+    fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError>;
+
+    /// Carries the batch on by a slice. Slices of one stage come in order and without gaps.
+    ///
+    /// # Errors
+    /// If the device fails; the batch is then lost.
+    fn advance(&mut self, slice: &Slice) -> Result<(), BackendError>;
+
+    /// The sums of every instance since the last call, in the order of `load`.
+    ///
+    /// # Errors
+    /// As [`Backend::advance`].
+    fn collect(&mut self) -> Result<Vec<Sums>, BackendError>;
+
+    /// The state of every instance, in the order of `load`.
+    ///
+    /// # Errors
+    /// As [`Backend::advance`].
+    fn end_states(&mut self) -> Result<Vec<EndState>, BackendError>;
+}
+
+/// Why a backend cannot go on.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum BackendError {
+    #[error("{0}")]
+    NoDevice(String),
+    #[error("the GPU was lost: {0}")]
+    DeviceLost(String),
+    #[error("the GPU is out of memory: {0}; a batch of fewer points may fit")]
+    OutOfMemory(String),
+    #[error("{0}")]
+    Unsupported(String),
+}
+
+/// Longest slice, so that progress shows and a run can be cancelled.
+const LONGEST_SLICE: u32 = 16;
+
+/// Runs a batch from its initial states to its measurements. `progress` hears after every slice how many
+/// instance-periods it did, and may break the run off; then None is returned.
+///
+/// # Errors
+/// If the backend fails.
+pub fn measure_batch(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    instances: &[ParameterSet],
+    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Result<Option<Vec<Measurement>>, BackendError> {
+    backend.load(settings, instances)?;
+    let mut elapsed = 0;
+    let mut advance = |backend: &mut dyn Backend, stage, range: std::ops::Range<u32>| {
+        let mut first = range.start;
+        while first < range.end {
+            let periods = LONGEST_SLICE.min(range.end - first);
+            backend.advance(&Slice {
+                stage,
+                first,
+                periods,
+                elapsed,
+            })?;
+            first += periods;
+            elapsed += periods;
+            if progress(u64::from(periods) * instances.len() as u64).is_break() {
+                return Ok(ControlFlow::Break(()));
+            }
+        }
+        Ok(ControlFlow::Continue(()))
+    };
+    for (stage, periods) in [
+        (Stage::Transient, settings.transient_periods - settings.align_periods),
+        (Stage::Align, settings.align_periods),
+    ] {
+        if advance(backend, stage, 0..periods)?.is_break() {
+            return Ok(None);
+        }
+    }
+    let mut growth: Vec<Growth> = vec![Growth::default(); instances.len()];
+    for batch in statistics::batches(settings.periods) {
+        if advance(backend, Stage::Measure, batch.clone())?.is_break() {
+            return Ok(None);
+        }
+        for (growth, sums) in growth.iter_mut().zip(backend.collect()?) {
+            growth.add(batch.len() as f64, &sums);
+        }
+    }
+    let ends = backend.end_states()?;
+    let kind = backend.kind();
+    Ok(Some(
+        instances
+            .iter()
+            .zip(growth.iter().zip(&ends))
+            .map(|(parameters, (growth, end))| growth.measurement(parameters, settings, end, kind))
+            .collect(),
+    ))
+}
+
+/// One instance's growth over the whole measurement, in f64.
+#[derive(Clone, Debug, Default)]
+struct Growth {
+    /// Length in periods, and growth of the first vector, of each batch.
+    batches: Vec<(f64, f64)>,
+    total: Sums,
+}
+
+impl Growth {
+    fn add(&mut self, periods: f64, sums: &Sums) {
+        self.batches.push((periods, sums.growth[0]));
+        self.total.growth[0] += sums.growth[0];
+        self.total.growth[1] += sums.growth[1];
+        self.total.birkhoff += sums.birkhoff;
+        self.total.divergence += sums.divergence;
+    }
+
+    fn measurement(
+        &self,
+        parameters: &ParameterSet,
+        settings: &Settings,
+        end: &EndState,
+        backend: BackendKind,
+    ) -> Measurement {
+        let period_time = TAU / parameters[Parameter::Omega0];
+        if let Some(period) = end.runaway_period {
+            return Measurement::runaway(f64::from(period) * period_time, backend);
+        }
+        let time = f64::from(settings.periods) * period_time;
+        let lyapunov = self.total.growth[0] / time;
+        let lyapunov_error = statistics::standard_error(&self.batches) / period_time;
+        let lyapunov_birkhoff = self.total.birkhoff / period_time;
+        let cycle = stroboscope::period(end.candidates, stroboscope::window(settings.periods));
+        let class = Class::of(lyapunov, lyapunov_error, cycle, lyapunov_birkhoff);
+        Measurement {
+            status: Status::Ok,
+            class: Some(class),
+            lyapunov,
+            lyapunov_error,
+            lyapunov_second: self.total.growth[1] / time,
+            divergence: self.total.divergence / time,
+            lyapunov_birkhoff,
+            period: cycle.filter(|_| class == Class::Regular),
+            x: end.x,
+            y: end.y,
+            x_min: end.x_min,
+            x_max: end.x_max,
+            chaotic_fraction: f64::from(u8::from(class == Class::Chaotic)),
+            attractors: 1,
+            backend,
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! All three Lyapunov exponents as the paper computes them, equations (3.3), (3.5) and (3.6).
+//!
+//! Owns the plain f64 reference: the textbook Runge-Kutta scheme on (x, y, z) and three tangent vectors, kept simple
+//! and independent of the fast path, which it checks.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::experiment::Settings;
+use crate::model::motion::Motion;
+use crate::parameters::{Parameter, ParameterSet};
+
+/// The three exponents in the paper's order, per unit of tau: the larger and the smaller of the two non-trivial ones,
+/// and the one along the flow, which is 0. None if the orbit runs away.
+pub fn lyapunov_spectrum(parameters: &ParameterSet, settings: &Settings) -> Option<[f64; 3]> {
+    let orbit = Orbit::new(parameters, settings);
+    let mut state = Vector3::new(parameters[Parameter::X0], parameters[Parameter::Y0], 0.0);
+    let mut basis = Matrix3::identity();
+    for _ in 0..settings.transient_periods - settings.align_periods {
+        orbit.period(&mut state, &mut Matrix3::zeros());
+    }
+    for _ in 0..settings.align_periods {
+        orbit.period(&mut state, &mut basis);
+    }
+    let mut growth = Vector3::zeros();
+    for _ in 0..settings.periods {
+        growth += orbit.period(&mut state, &mut basis);
+    }
+    let exponents = growth / (f64::from(settings.periods) * TAU / parameters[Parameter::Omega0]);
+    exponents
+        .iter()
+        .all(|exponent| exponent.is_finite())
+        .then(|| exponents.into())
+}
+
+struct Orbit {
+    motion: Motion<f64>,
+    omega_0: f64,
+    steps: u32,
+    renormalise_every: u32,
+}
+
+impl Orbit {
+    fn new(parameters: &ParameterSet, settings: &Settings) -> Self {
+        Self {
+            motion: Motion::new(|parameter| parameters[parameter]),
+            omega_0: parameters[Parameter::Omega0],
+            steps: settings.steps_per_period,
+            renormalise_every: settings.renormalise_every,
+        }
+    }
+
+    /// Carries the orbit over one forcing period; returns the logarithms of the vectors' growth.
+    fn period(&self, state: &mut Vector3<f64>, basis: &mut Matrix3<f64>) -> Vector3<f64> {
+        let h = TAU / (self.omega_0 * f64::from(self.steps));
+        let mut growth = Vector3::zeros();
+        state.z = 0.0;
+        for step in 1..=self.steps {
+            let (k1, j1) = self.slope(state, basis);
+            let (k2, j2) = self.slope(&(*state + k1 * (h / 2.0)), &(*basis + j1 * (h / 2.0)));
+            let (k3, j3) = self.slope(&(*state + k2 * (h / 2.0)), &(*basis + j2 * (h / 2.0)));
+            let (k4, j4) = self.slope(&(*state + k3 * h), &(*basis + j3 * h));
+            *state += (k1 + 2.0 * k2 + 2.0 * k3 + k4) * (h / 6.0);
+            *basis += (j1 + 2.0 * j2 + 2.0 * j3 + j4) * (h / 6.0);
+            if step % self.renormalise_every == 0 || step == self.steps {
+                growth += orthonormalise(basis);
+            }
+        }
+        growth
+    }
+
+    /// Right-hand sides of (3.2) and (3.3); the tangent vectors are the columns of `basis`.
+    fn slope(&self, state: &Vector3<f64>, basis: &Matrix3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
+        let (x, y, z) = (state.x, state.y, state.z);
+        let speed = self.motion.shaft_speed(z.sin());
+        let linearised = self.motion.linearised(x, y, speed);
+        #[rustfmt::skip]
+        let jacobian = Matrix3::new(
+            0.0, 1.0, 0.0,
+            linearised.by_x, linearised.by_y, self.motion.by_phase(y, speed, z.cos()),
+            0.0, 0.0, 0.0,
+        );
+        (Vector3::new(y, linearised.acceleration, self.omega_0), jacobian * basis)
+    }
+}
+
+/// Gram-Schmidt orthonormalisation of the columns (3.5); returns the logarithms of the norms.
+fn orthonormalise(basis: &mut Matrix3<f64>) -> Vector3<f64> {
+    let mut logarithms = Vector3::zeros();
+    for n in 0..3 {
+        let mut vector = basis.column(n).clone_owned();
+        for m in 0..n {
+            let before = basis.column(m).clone_owned();
+            vector -= before * before.dot(&vector);
+        }
+        let norm = vector.norm();
+        logarithms[n] = norm.ln();
+        basis.set_column(n, &(vector / norm));
+    }
+    logarithms
+}

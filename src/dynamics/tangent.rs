@@ -1,0 +1,76 @@
+//! Tangent vectors of the (x, y) block, their orthonormalisation and growth, equations (3.5) and (3.6).
+//!
+//! Owns the bases and the sums of logarithms; the stepping of vectors is the scheme's. The third vector of the paper,
+//! along the flow, never mixes into the first two (their z component stays 0), so that two suffice. Twin:
+//! `shaders/dynamics/tangent.wgsl`.
+
+use crate::lanes::Real;
+
+/// A tangent vector (X, Y), with Z = 0.
+#[derive(Clone, Copy, Debug)]
+pub struct Vector<R> {
+    pub x: R,
+    pub y: R,
+}
+
+/// The two tangent vectors that are carried along.
+#[derive(Clone, Copy, Debug)]
+pub struct Bases<R> {
+    pub first: Vector<R>,
+    pub second: Vector<R>,
+}
+
+/// Logarithms of the two vectors' growth.
+#[derive(Clone, Copy, Debug)]
+pub struct Growth<R> {
+    pub first: R,
+    pub second: R,
+}
+
+impl<R: Real> Bases<R> {
+    /// The paper's start: (1, 0) and (0, 1).
+    pub fn start() -> Self {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        Self {
+            first: Vector { x: one, y: zero },
+            second: Vector { x: zero, y: one },
+        }
+    }
+
+    /// Orthonormalises by Gram and Schmidt (3.5); returns the norms' logarithms, the summands of (3.6).
+    #[inline(always)]
+    pub fn orthonormalise(&mut self) -> Growth<R> {
+        let (first, first_norm) = self.first.normalised();
+        let along = self.second.x.mul_add(first.x, self.second.y * first.y);
+        let rest = Vector {
+            x: self.second.x - along * first.x,
+            y: self.second.y - along * first.y,
+        };
+        let (second, second_norm) = rest.normalised();
+        *self = Self { first, second };
+        Growth {
+            first: first_norm.ln(),
+            second: second_norm.ln(),
+        }
+    }
+}
+
+impl<R: Real> Vector<R> {
+    #[inline(always)]
+    fn normalised(self) -> (Self, R) {
+        // a vector that has shrunk below the smallest number keeps no direction: it is taken as that small
+        let square = self.x.mul_add(self.x, self.y * self.y).max(R::splat(SMALLEST_SQUARE));
+        let norm = square.sqrt();
+        let inverse = R::splat(1.0) / norm;
+        (
+            Self {
+                x: self.x * inverse,
+                y: self.y * inverse,
+            },
+            norm,
+        )
+    }
+}
+
+/// Smallest squared norm, in the range of f32's normal numbers.
+const SMALLEST_SQUARE: f64 = 1e-36;

@@ -1,0 +1,140 @@
+//! The number types that the model and the schemes are written over: scalars, and vectors of lanes.
+//!
+//! Owns arithmetic, masks and the passage between lanes and f64; knows nothing of the model. The model's source is
+//! written once over [`Real`] and serves f64 (the reference), dual numbers (in tests), and lanes of f64 and f32.
+
+mod wide;
+#[cfg(target_arch = "x86_64")]
+pub(crate) mod x86;
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+pub use wide::Wide;
+
+/// A real number, or several side by side in lanes.
+///
+/// Every method of an implementation for speed must be `#[inline(always)]`, so that the instruction set of the
+/// function at the top of the call tree reaches it.
+pub trait Real:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+{
+    /// One truth value a lane.
+    type Mask: Mask;
+    /// The type of one lane.
+    type Scalar: Copy + Send + Sync;
+    const LANES: usize;
+
+    /// Rounds an f64 to the lane's type.
+    fn scalar(value: f64) -> Self::Scalar;
+    /// The same value in every lane.
+    fn broadcast(value: Self::Scalar) -> Self;
+    /// `values(lane)` in each lane.
+    fn from_lanes(values: impl FnMut(usize) -> f64) -> Self;
+    fn lane(self, lane: usize) -> f64;
+    /// `self * factor + addend`, fused where the target does that fast.
+    fn mul_add(self, factor: Self, addend: Self) -> Self;
+    fn abs(self) -> Self;
+    fn min(self, other: Self) -> Self;
+    fn max(self, other: Self) -> Self;
+    fn sqrt(self) -> Self;
+    /// `self < other`; false where either is NaN.
+    fn less(self, other: Self) -> Self::Mask;
+    /// `yes` where the mask is true, else `no`.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Self::broadcast(Self::scalar(value))
+    }
+
+    /// Natural logarithm, lane by lane: slow, for use once in many steps.
+    #[inline(always)]
+    fn ln(self) -> Self {
+        Self::from_lanes(|lane| self.lane(lane).ln())
+    }
+}
+
+/// One truth value a lane.
+pub trait Mask: Copy {
+    fn and(self, other: Self) -> Self;
+    fn all(self) -> bool;
+    fn lane(self, lane: usize) -> bool;
+}
+
+impl Mask for bool {
+    #[inline(always)]
+    fn and(self, other: Self) -> Self {
+        self && other
+    }
+    #[inline(always)]
+    fn all(self) -> bool {
+        self
+    }
+    #[inline(always)]
+    fn lane(self, _: usize) -> bool {
+        self
+    }
+}
+
+macro_rules! scalar_real {
+    ($scalar:ident) => {
+        impl Real for $scalar {
+            type Mask = bool;
+            type Scalar = $scalar;
+            const LANES: usize = 1;
+
+            #[inline(always)]
+            fn scalar(value: f64) -> $scalar {
+                value as $scalar
+            }
+            #[inline(always)]
+            fn broadcast(value: $scalar) -> Self {
+                value
+            }
+            #[inline(always)]
+            fn from_lanes(mut values: impl FnMut(usize) -> f64) -> Self {
+                values(0) as $scalar
+            }
+            #[inline(always)]
+            fn lane(self, _: usize) -> f64 {
+                f64::from(self)
+            }
+            #[inline(always)]
+            fn mul_add(self, factor: Self, addend: Self) -> Self {
+                // without the instruction, a fused operation is a slow library call
+                if cfg!(any(target_feature = "fma", target_arch = "aarch64")) {
+                    $scalar::mul_add(self, factor, addend)
+                } else {
+                    self * factor + addend
+                }
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                $scalar::abs(self)
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                if self < other { self } else { other }
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                if self > other { self } else { other }
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                $scalar::sqrt(self)
+            }
+            #[inline(always)]
+            fn less(self, other: Self) -> bool {
+                self < other
+            }
+            #[inline(always)]
+            fn select(mask: bool, yes: Self, no: Self) -> Self {
+                if mask { yes } else { no }
+            }
+        }
+    };
+}
+
+scalar_real!(f64);
+scalar_real!(f32);

@@ -1,0 +1,181 @@
+//! Vectors of x86-64: AVX2 with FMA, and AVX-512.
+//!
+//! Owns the intrinsics. A value of one of these types must only be made and used below a function whose
+//! `target_feature` enables the instruction set, entered after it was detected at run time; that is why the types do
+//! not leave the crate.
+
+use std::arch::x86_64::*;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::{Mask, Real};
+
+macro_rules! x86_vector {
+    (
+        $(#[$doc:meta])* $name:ident: $lanes:literal x $scalar:ident in $register:ident,
+        $mask:ident($mask_register:ident) = |$m:ident| $bits:expr;
+        $add:ident $sub:ident $mul:ident $div:ident $fma:ident $min:ident $max:ident $sqrt:ident $set:ident $load:ident
+        $store:ident, abs = |$a:ident| $abs:expr, less = |$l:ident, $r:ident| $less:expr,
+        and = |$ma:ident, $mb:ident| $and:expr, select = |$s:ident, $yes:ident, $no:ident| $select:expr
+    ) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug)]
+        #[repr(transparent)]
+        pub(crate) struct $name($register);
+
+        #[derive(Clone, Copy, Debug)]
+        #[repr(transparent)]
+        pub(crate) struct $mask($mask_register);
+
+        // AVX-512 masks are plain integers, whose operations are safe
+        #[allow(unused_unsafe)]
+        impl Mask for $mask {
+            #[inline(always)]
+            fn and(self, other: Self) -> Self {
+                let ($ma, $mb) = (self.0, other.0);
+                // SAFETY: the module's rule: the instruction set was detected.
+                Self(unsafe { $and })
+            }
+            #[inline(always)]
+            fn all(self) -> bool {
+                let $m = self.0;
+                // SAFETY: the module's rule.
+                (unsafe { $bits } as u32) & ((1u32 << $lanes) - 1) == (1u32 << $lanes) - 1
+            }
+            #[inline(always)]
+            fn lane(self, lane: usize) -> bool {
+                let $m = self.0;
+                // SAFETY: the module's rule.
+                (unsafe { $bits } as u32) >> lane & 1 == 1
+            }
+        }
+
+        x86_vector!(@operator $name Add add $add);
+        x86_vector!(@operator $name Sub sub $sub);
+        x86_vector!(@operator $name Mul mul $mul);
+        x86_vector!(@operator $name Div div $div);
+
+        impl Neg for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self::broadcast(0.0) - self
+            }
+        }
+
+        impl Real for $name {
+            type Mask = $mask;
+            type Scalar = $scalar;
+            const LANES: usize = $lanes;
+
+            #[inline(always)]
+            fn scalar(value: f64) -> $scalar {
+                value as $scalar
+            }
+            #[inline(always)]
+            fn broadcast(value: $scalar) -> Self {
+                // SAFETY: the module's rule.
+                Self(unsafe { $set(value) })
+            }
+            #[inline(always)]
+            fn from_lanes(mut values: impl FnMut(usize) -> f64) -> Self {
+                let mut array = [0.0 as $scalar; $lanes];
+                for lane in 0..$lanes {
+                    array[lane] = values(lane) as $scalar;
+                }
+                // SAFETY: the module's rule; the array has the register's length.
+                Self(unsafe { $load(array.as_ptr()) })
+            }
+            #[inline(always)]
+            fn lane(self, lane: usize) -> f64 {
+                let mut array = [0.0 as $scalar; $lanes];
+                // SAFETY: the module's rule; the array has the register's length.
+                unsafe { $store(array.as_mut_ptr(), self.0) };
+                f64::from(array[lane])
+            }
+            #[inline(always)]
+            fn mul_add(self, factor: Self, addend: Self) -> Self {
+                // SAFETY: the module's rule.
+                Self(unsafe { $fma(self.0, factor.0, addend.0) })
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                let $a = self.0;
+                // SAFETY: the module's rule.
+                Self(unsafe { $abs })
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                // SAFETY: the module's rule.
+                Self(unsafe { $min(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                // SAFETY: the module's rule.
+                Self(unsafe { $max(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                // SAFETY: the module's rule.
+                Self(unsafe { $sqrt(self.0) })
+            }
+            #[inline(always)]
+            fn less(self, other: Self) -> $mask {
+                let ($l, $r) = (self.0, other.0);
+                // SAFETY: the module's rule.
+                $mask(unsafe { $less })
+            }
+            #[inline(always)]
+            fn select(mask: $mask, yes: Self, no: Self) -> Self {
+                let ($s, $yes, $no) = (mask.0, yes.0, no.0);
+                // SAFETY: the module's rule.
+                Self(unsafe { $select })
+            }
+        }
+    };
+    (@operator $name:ident $trait:ident $method:ident $intrinsic:ident) => {
+        impl $trait for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                // SAFETY: the module's rule.
+                Self(unsafe { $intrinsic(self.0, other.0) })
+            }
+        }
+    };
+}
+
+x86_vector! {
+    /// Eight f64 (AVX-512F).
+    F64x8: 8 x f64 in __m512d, F64x8Mask(__mmask8) = |m| m;
+    _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_fmadd_pd _mm512_min_pd _mm512_max_pd
+    _mm512_sqrt_pd _mm512_set1_pd _mm512_loadu_pd _mm512_storeu_pd,
+    abs = |a| _mm512_abs_pd(a), less = |l, r| _mm512_cmp_pd_mask::<_CMP_LT_OQ>(l, r),
+    and = |a, b| a & b, select = |s, yes, no| _mm512_mask_blend_pd(s, no, yes)
+}
+
+x86_vector! {
+    /// Sixteen f32 (AVX-512F).
+    F32x16: 16 x f32 in __m512, F32x16Mask(__mmask16) = |m| m;
+    _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_fmadd_ps _mm512_min_ps _mm512_max_ps
+    _mm512_sqrt_ps _mm512_set1_ps _mm512_loadu_ps _mm512_storeu_ps,
+    abs = |a| _mm512_abs_ps(a), less = |l, r| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(l, r),
+    and = |a, b| a & b, select = |s, yes, no| _mm512_mask_blend_ps(s, no, yes)
+}
+
+x86_vector! {
+    /// Four f64 (AVX2 and FMA).
+    F64x4: 4 x f64 in __m256d, F64x4Mask(__m256d) = |m| _mm256_movemask_pd(m);
+    _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_fmadd_pd _mm256_min_pd _mm256_max_pd
+    _mm256_sqrt_pd _mm256_set1_pd _mm256_loadu_pd _mm256_storeu_pd,
+    abs = |a| _mm256_andnot_pd(_mm256_set1_pd(-0.0), a), less = |l, r| _mm256_cmp_pd::<_CMP_LT_OQ>(l, r),
+    and = |a, b| _mm256_and_pd(a, b), select = |s, yes, no| _mm256_blendv_pd(no, yes, s)
+}
+
+x86_vector! {
+    /// Eight f32 (AVX2 and FMA).
+    F32x8: 8 x f32 in __m256, F32x8Mask(__m256) = |m| _mm256_movemask_ps(m);
+    _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_fmadd_ps _mm256_min_ps _mm256_max_ps
+    _mm256_sqrt_ps _mm256_set1_ps _mm256_loadu_ps _mm256_storeu_ps,
+    abs = |a| _mm256_andnot_ps(_mm256_set1_ps(-0.0), a), less = |l, r| _mm256_cmp_ps::<_CMP_LT_OQ>(l, r),
+    and = |a, b| _mm256_and_ps(a, b), select = |s, yes, no| _mm256_blendv_ps(no, yes, s)
+}
