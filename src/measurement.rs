@@ -107,6 +107,13 @@ impl BackendKind {
         BACKEND_NAMES[self as usize]
     }
 
+    pub fn device_class(self) -> &'static str {
+        match self {
+            Self::CpuF64 | Self::CpuF32 => "cpu",
+            Self::GpuF32 => "gpu",
+        }
+    }
+
     pub fn precision(self) -> &'static str {
         match self {
             Self::CpuF64 => "f64",

@@ -4,6 +4,8 @@
 //! nothing of grids, files or progress bars.
 
 pub mod cpu;
+pub mod gpu;
+pub mod twins;
 
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;

@@ -2,8 +2,6 @@
 //!
 //! Owns the choice of points and what agreement means; does not change the map.
 
-use std::ops::ControlFlow;
-
 use serde::{Deserialize, Serialize};
 
 use super::{Backends, Observer};
@@ -40,6 +38,14 @@ pub const EXPONENT_FLOOR: f64 = 1e-3;
 impl Audit {
     pub fn points(&self) -> usize {
         self.classes.iter().map(|row| row.points).sum()
+    }
+
+    /// Whether at least 98 % of the points of each class that is decided agree in class (one point may always differ),
+    /// and 95 % of all exponents within their errors.
+    pub fn passes(&self) -> bool {
+        let decided = self.classes.iter().filter(|row| row.class != Class::Undecided);
+        decided.clone().all(|row| (row.points - row.same_class) as f64 <= (0.02 * row.points as f64).max(1.0))
+            && self.same_exponent() as f64 >= 0.95 * self.points() as f64
     }
 
     pub fn same_class(&self) -> usize {
@@ -121,7 +127,44 @@ pub fn audit(map: &ParameterMap, points: usize, observer: &mut Observer<'_>) -> 
     Ok(Some(Audit { classes }))
 }
 
-/// An observer that hears nothing and lets everything run.
-pub fn unobserved(_: super::Event<'_>) -> ControlFlow<()> {
-    ControlFlow::Continue(())
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::Request;
+    use crate::measurement::{BackendKind, Measurement, Status};
+
+    /// A map of 10 x 10 points: three chaotic, one undecided, the rest regular.
+    fn map() -> ParameterMap {
+        let mut request = Request::default();
+        (request.x.count, request.y.count) = (10, 10);
+        let mut map = ParameterMap::new(request.resolve().unwrap());
+        for index in 0..100 {
+            let class = match index {
+                7 | 50 | 93 => Class::Chaotic,
+                60 => Class::Undecided,
+                _ => Class::Regular,
+            };
+            let runaway = Measurement::runaway(0.0, BackendKind::GpuF32);
+            map.set(index, &Measurement { status: Status::Ok, class: Some(class), ..runaway });
+        }
+        map
+    }
+
+    #[test]
+    fn classes_share_the_audit_and_chaos_is_never_left_out() {
+        let chosen = |points| choose(&map(), points).into_iter().map(|(class, i)| (class, i.len())).collect::<Vec<_>>();
+        assert_eq!(chosen(1), [(Class::Chaotic, 1)]);
+        assert_eq!(chosen(5), [(Class::Chaotic, 2), (Class::Regular, 2), (Class::Undecided, 1)]);
+        assert_eq!(chosen(32), [(Class::Chaotic, 3), (Class::Regular, 28), (Class::Undecided, 1)]);
+        assert_eq!(chosen(1000), [(Class::Chaotic, 3), (Class::Regular, 96), (Class::Undecided, 1)]);
+    }
+
+    #[test]
+    fn a_forged_map_does_not_pass() {
+        // nothing in this map was computed: its exponents are NaN
+        let audit = audit(&map(), 6, &mut |_| std::ops::ControlFlow::Continue(())).unwrap().unwrap();
+        assert_eq!(audit.points(), 6);
+        assert_eq!(audit.same_exponent(), 0);
+        assert!(!audit.passes());
+    }
 }

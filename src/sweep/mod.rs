@@ -3,14 +3,29 @@
 //! Owns the order of the work, the fall-back to another backend, and cancellation; neither stores nor draws nor prints.
 
 pub mod audit;
+pub mod choice;
+pub mod estimate;
 pub mod initial_states;
 
 use std::ops::ControlFlow;
 
 use crate::backend::{self, Backend, BackendError};
-use crate::experiment::Settings;
+use crate::experiment::{Experiment, Settings};
 use crate::grid::Grid;
 use crate::measurement::Measurement;
+
+/// Instance-periods of `points` points: the work of a sweep.
+pub fn instance_periods(settings: &Settings, points: usize) -> u64 {
+    points as u64
+        * u64::from(settings.initial_states)
+        * (u64::from(settings.transient_periods) + u64::from(settings.periods))
+}
+
+/// Rows and columns of a map's tiles: whole rows of it if they hold no more than `points`, else parts of one.
+pub fn tile_shape(experiment: &Experiment, points: usize) -> [usize; 2] {
+    let [x, y] = [0, 1].map(|axis| experiment.grid.axes[axis].count);
+    if points >= x { [(points / x).min(y), x] } else { [1, points] }
+}
 
 /// A backend, and another one that takes over if it fails.
 pub struct Backends {
@@ -37,6 +52,10 @@ impl Backends {
     /// The backend in use.
     pub fn active(&self) -> &dyn Backend {
         self.active.as_ref()
+    }
+
+    pub fn active_mut(&mut self) -> &mut dyn Backend {
+        self.active.as_mut()
     }
 
     /// Points in a tile such that the backend in use is filled by one.
@@ -84,5 +103,19 @@ impl Backends {
             }
         }
         Ok(Some(measurements))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::Request;
+
+    #[test]
+    fn tiles_are_whole_rows_or_parts_of_one() {
+        let experiment = Request::default().resolve().unwrap();
+        assert_eq!(tile_shape(&experiment, 4096), [13, 300]);
+        assert_eq!(tile_shape(&experiment, 1 << 20), [201, 300]);
+        assert_eq!(tile_shape(&experiment, 299), [1, 299]);
     }
 }
