@@ -4,6 +4,7 @@
 //! nothing of grids, files or progress bars.
 
 pub mod cpu;
+pub mod gpu;
 
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -105,6 +106,8 @@ pub enum BackendError {
     OutOfMemory(String),
     #[error("{0}")]
     Unsupported(String),
+    #[error("the GPU refused a command, which is an error of this program; please report it: {0}")]
+    Internal(String),
 }
 
 /// Longest slice, so that progress shows and a run can be cancelled.
