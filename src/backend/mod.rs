@@ -107,6 +107,8 @@ pub enum BackendError {
     OutOfMemory(String),
     #[error("{0}")]
     Unsupported(String),
+    #[error("the GPU refused a command, which is an error of this program; please report it: {0}")]
+    Internal(String),
 }
 
 /// Longest slice, so that progress shows and a run can be cancelled.

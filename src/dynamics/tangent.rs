@@ -80,4 +80,4 @@ impl<R: Real> Vector<R> {
 }
 
 /// Smallest squared norm, in the range of f32's normal numbers.
-const SMALLEST_SQUARE: f64 = 1e-36;
+pub const SMALLEST_SQUARE: f64 = 1e-36;

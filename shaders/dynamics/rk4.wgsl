@@ -1,0 +1,110 @@
+// The classical Runge-Kutta scheme of order 4 with a fixed step, written for x'' = f in Nystrom's form.
+// Twin: src/dynamics/rk4.rs.
+
+// Angle and angular speed of the bush.
+struct State {
+    x: f32,
+    y: f32,
+}
+
+// Multiples of the step size h that the scheme uses.
+struct StepSize {
+    half: f32,
+    quarter_square: f32,
+    whole: f32,
+    half_square: f32,
+    sixth_square: f32,
+    sixth: f32,
+}
+
+// Shaft speed at the start, the middle and the end of a step.
+struct StageSpeeds {
+    start: f32,
+    middle: f32,
+    end: f32,
+}
+
+struct StepWithTangent {
+    state: State,
+    bases: Bases,
+    // The divergence integrated over the step.
+    divergence: f32,
+}
+
+fn step_size_new(h: f32) -> StepSize {
+    return StepSize(h / 2.0, h * h / 4.0, h, h * h / 2.0, h * h / 6.0, h / 6.0);
+}
+
+// Angle at the second stage, or a vector's x component there.
+fn x2(h: StepSize, x: f32, y: f32) -> f32 {
+    return fma(y, h.half, x);
+}
+
+fn x3(h: StepSize, x2: f32, k1: f32) -> f32 {
+    return fma(k1, h.quarter_square, x2);
+}
+
+fn x4(h: StepSize, x: f32, y: f32, k2: f32) -> f32 {
+    return fma(k2, h.half_square, fma(y, h.whole, x));
+}
+
+fn x_end(h: StepSize, x: f32, y: f32, k1: f32, k2: f32, k3: f32) -> f32 {
+    return fma(k1 + k2 + k3, h.sixth_square, fma(y, h.whole, x));
+}
+
+// Simpson's weights: h (k1 + 2 k2 + 2 k3 + k4)/6 added to y.
+fn y_end(h: StepSize, y: f32, k1: f32, k2: f32, k3: f32, k4: f32) -> f32 {
+    return fma(fma(2.0, k2 + k3, k1 + k4), h.sixth, y);
+}
+
+// One step of the motion.
+fn rk4_step(motion: Motion, h: StepSize, speed: StageSpeeds, state: State) -> State {
+    let x = state.x;
+    let y = state.y;
+    let k1 = acceleration(motion, x, y, speed.start);
+    let at_2 = x2(h, x, y);
+    let k2 = acceleration(motion, at_2, fma(k1, h.half, y), speed.middle);
+    let k3 = acceleration(motion, x3(h, at_2, k1), fma(k2, h.half, y), speed.middle);
+    let k4 = acceleration(motion, x4(h, x, y, k2), fma(k3, h.whole, y), speed.end);
+    return State(x_end(h, x, y, k1, k2, k3), y_end(h, y, k1, k2, k3, k4));
+}
+
+// One step of the motion and of the tangent vectors (3.3) along it.
+fn step_with_tangent(motion: Motion, h: StepSize, speed: StageSpeeds, state: State, bases: Bases) -> StepWithTangent {
+    let x = state.x;
+    let y = state.y;
+    let f1 = linearised(motion, x, y, speed.start);
+    let at_2 = x2(h, x, y);
+    let f2 = linearised(motion, at_2, fma(f1.acceleration, h.half, y), speed.middle);
+    let at_3 = x3(h, at_2, f1.acceleration);
+    let f3 = linearised(motion, at_3, fma(f2.acceleration, h.half, y), speed.middle);
+    let at_4 = x4(h, x, y, f2.acceleration);
+    let f4 = linearised(motion, at_4, fma(f3.acceleration, h.whole, y), speed.end);
+    return StepWithTangent(
+        State(
+            x_end(h, x, y, f1.acceleration, f2.acceleration, f3.acceleration),
+            y_end(h, y, f1.acceleration, f2.acceleration, f3.acceleration, f4.acceleration),
+        ),
+        Bases(step_vector(h, f1, f2, f3, f4, bases.first), step_vector(h, f1, f2, f3, f4, bases.second)),
+        y_end(h, 0.0, f1.by_y, f2.by_y, f3.by_y, f4.by_y),
+    );
+}
+
+// One step of a tangent vector, given the linearisation at the four stages.
+fn step_vector(
+    h: StepSize,
+    f1: Linearised,
+    f2: Linearised,
+    f3: Linearised,
+    f4: Linearised,
+    vector: Vector,
+) -> Vector {
+    let x = vector.x;
+    let y = vector.y;
+    let k1 = apply(f1, x, y);
+    let at_2 = x2(h, x, y);
+    let k2 = apply(f2, at_2, fma(k1, h.half, y));
+    let k3 = apply(f3, x3(h, at_2, k1), fma(k2, h.half, y));
+    let k4 = apply(f4, x4(h, x, y, k2), fma(k3, h.whole, y));
+    return Vector(x_end(h, x, y, k1, k2, k3), y_end(h, y, k1, k2, k3, k4));
+}

@@ -1,0 +1,56 @@
+// Tangent vectors of the (x, y) block, their orthonormalisation and growth, equations (3.5) and (3.6).
+// Twin: src/dynamics/tangent.rs.
+
+// Smallest squared norm, in the range of normal numbers.
+override SMALLEST_SQUARE: f32;
+
+// A tangent vector (X, Y), with Z = 0.
+struct Vector {
+    x: f32,
+    y: f32,
+}
+
+// The two tangent vectors that are carried along.
+struct Bases {
+    first: Vector,
+    second: Vector,
+}
+
+// Logarithms of the two vectors' growth.
+struct Growth {
+    first: f32,
+    second: f32,
+}
+
+struct Normalised {
+    vector: Vector,
+    norm: f32,
+}
+
+struct Orthonormalised {
+    bases: Bases,
+    growth: Growth,
+}
+
+// Orthonormalises by Gram and Schmidt (3.5); the growth is the norms' logarithms, the summands of (3.6).
+fn orthonormalise(bases: Bases) -> Orthonormalised {
+    let first = normalised(bases.first);
+    let along = fma(bases.second.x, first.vector.x, bases.second.y * first.vector.y);
+    let rest = Vector(
+        bases.second.x - along * first.vector.x,
+        bases.second.y - along * first.vector.y,
+    );
+    let second = normalised(rest);
+    return Orthonormalised(
+        Bases(first.vector, second.vector),
+        Growth(log(first.norm), log(second.norm)),
+    );
+}
+
+fn normalised(vector: Vector) -> Normalised {
+    // a vector that has shrunk below the smallest number keeps no direction: it is taken as that small
+    let square = max(fma(vector.x, vector.x, vector.y * vector.y), SMALLEST_SQUARE);
+    let norm = sqrt(square);
+    let inverse = 1.0 / norm;
+    return Normalised(Vector(vector.x * inverse, vector.y * inverse), norm);
+}

@@ -1,0 +1,78 @@
+// Carries motion and tangent vectors on by some forcing periods, one thread an instance; where they are measured, sums
+// up growth and divergence and compares stroboscopic states.
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
+    if (thread.x >= span.instances) {
+        return;
+    }
+    let instance = span.first_instance + thread.x;
+    var orbit = orbits[instance];
+    // nothing more is asked of an instance that has run away
+    if (orbit.runaway_period != 0u) {
+        return;
+    }
+    let motion = motion_new(parameters[instance]);
+    let h = step_size_new(parameters[instance].step_size);
+    var state = State(orbit.x, orbit.y);
+    var bases = Bases(Vector(orbit.first_x, orbit.first_y), Vector(orbit.second_x, orbit.second_y));
+    var sums = totals[instance];
+    for (var n = 0u; n < span.periods; n++) {
+        let index = span.first + n;
+        if (span.measured != 0u && index == 0u) {
+            orbit.x_min = state.x;
+            orbit.x_max = state.x;
+        }
+        // the period's own sums come first: added to the slot's total one by one, small terms would lose more digits
+        var growth = Growth(0.0, 0.0);
+        var divergence = 0.0;
+        var start = shaft_speed(motion, 0.0);
+        var step = 0u;
+        while (step < run.steps_per_period) {
+            let renormalised_at = min(step + run.renormalise_every, run.steps_per_period);
+            for (; step < renormalised_at; step++) {
+                let sin_z = drive_at(step);
+                let speed = StageSpeeds(start, shaft_speed(motion, sin_z.x), shaft_speed(motion, sin_z.y));
+                let end = step_with_tangent(motion, h, speed, state, bases);
+                state = end.state;
+                bases = end.bases;
+                divergence += end.divergence;
+                orbit.x_min = min(orbit.x_min, state.x);
+                orbit.x_max = max(orbit.x_max, state.x);
+                start = speed.end;
+            }
+            let renormalised = orthonormalise(bases);
+            bases = renormalised.bases;
+            growth.first += renormalised.growth.first;
+            growth.second += renormalised.growth.second;
+        }
+        if (has_run_away(state.x, state.y)) {
+            orbit.runaway_period = span.elapsed + n + 1u;
+            break;
+        }
+        if (span.measured != 0u) {
+            sums.growth_first += growth.first;
+            sums.growth_second += growth.second;
+            sums.birkhoff = fma(growth.first, birkhoff_weights[index], sums.birkhoff);
+            sums.divergence += divergence;
+            if (index >= run.unrecorded) {
+                let recorded = index - run.unrecorded;
+                orbit.candidates =
+                    record(instance, recorded, state.x, state.y, run.period_tolerance, orbit.candidates);
+            }
+        }
+    }
+    totals[instance] = sums;
+    orbits[instance] = Orbit(
+        state.x,
+        state.y,
+        bases.first.x,
+        bases.first.y,
+        bases.second.x,
+        bases.second.y,
+        orbit.x_min,
+        orbit.x_max,
+        orbit.candidates,
+        orbit.runaway_period,
+    );
+}

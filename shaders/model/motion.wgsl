@@ -1,0 +1,56 @@
+// The bush's motion under constant contact pressure, equation (3.2), and its linearisation (3.3).
+// Twin: src/model/motion.rs.
+
+// The oscillator x'' = x - b x^3 + eps F(v) - eps h1 y with y = x' and v = (shaft speed) - y.
+struct Motion {
+    minus_b: f32,
+    minus_three_b: f32,
+    minus_damping: f32,
+    omega_k: f32,
+    zeta_k: f32,
+    friction: Friction,
+}
+
+// The acceleration and its derivatives at one state.
+struct Linearised {
+    acceleration: f32,
+    by_x: f32,
+    // Also the divergence of the flow.
+    by_y: f32,
+}
+
+fn motion_new(value: Parameters) -> Motion {
+    return Motion(
+        -value.b,
+        -3.0 * value.b,
+        -(value.epsilon * value.h1),
+        value.omega_k,
+        value.zeta_k,
+        friction_new(value.epsilon, value.f_0, value.alpha, value.beta, value.epsilon_0),
+    );
+}
+
+// Speed of the shaft omega_k + zeta_k sin z, given sin z.
+fn shaft_speed(motion: Motion, sin_z: f32) -> f32 {
+    return fma(motion.zeta_k, sin_z, motion.omega_k);
+}
+
+// Acceleration of the bush at angle x and angular speed y.
+fn acceleration(motion: Motion, x: f32, y: f32, shaft_speed: f32) -> f32 {
+    let restoring = fma(motion.minus_b, x * x, 1.0);
+    return fma(x, restoring, fma(motion.minus_damping, y, force(motion.friction, shaft_speed - y)));
+}
+
+// Acceleration with its derivatives, for the tangent equations (3.3).
+fn linearised(motion: Motion, x: f32, y: f32, shaft_speed: f32) -> Linearised {
+    return Linearised(
+        acceleration(motion, x, y, shaft_speed),
+        fma(motion.minus_three_b, x * x, 1.0),
+        motion.minus_damping - slope(motion.friction, shaft_speed - y),
+    );
+}
+
+// Rate of change of a tangent vector's y component, the second row of (3.3).
+fn apply(linearised: Linearised, x: f32, y: f32) -> f32 {
+    return fma(x, linearised.by_x, linearised.by_y * y);
+}

@@ -1,0 +1,83 @@
+// What the host and the device share: the structs of src/backend/gpu/layout.rs, held equal by a test, and the bindings.
+// Scalars only, so that both languages lay them out alike.
+
+override WORKGROUP_SIZE: u32;
+
+// What all instances of a batch share.
+struct Run {
+    instances: u32,
+    steps_per_period: u32,
+    renormalise_every: u32,
+    // Measured periods before the stroboscopic window.
+    unrecorded: u32,
+    period_tolerance: f32,
+}
+
+// The part of a slice that one dispatch carries out.
+struct Span {
+    first_instance: u32,
+    instances: u32,
+    // Index of the first period within its stage.
+    first: u32,
+    periods: u32,
+    // Periods since the start of the run.
+    elapsed: u32,
+    // 1 while everything is summed up, else 0.
+    measured: u32,
+}
+
+// One instance's parameters.
+struct Parameters {
+    zeta_k: f32,
+    h1: f32,
+    omega_k: f32,
+    b: f32,
+    epsilon: f32,
+    f_0: f32,
+    alpha: f32,
+    beta: f32,
+    epsilon_0: f32,
+    // Length of a step in units of tau.
+    step_size: f32,
+}
+
+// One instance as it is carried along: state, tangent vectors, extremes of x, and what its periods showed.
+struct Orbit {
+    x: f32,
+    y: f32,
+    first_x: f32,
+    first_y: f32,
+    second_x: f32,
+    second_y: f32,
+    x_min: f32,
+    x_max: f32,
+    // Bit k-1 is set while all stroboscopic states k periods apart agree.
+    candidates: u32,
+    // The period, counted from 1, at whose end the instance was found to have run away; 0 if it has not.
+    runaway_period: u32,
+}
+
+// One instance's sums over measured periods since they were last collected.
+struct Totals {
+    growth_first: f32,
+    growth_second: f32,
+    birkhoff: f32,
+    divergence: f32,
+}
+
+@group(0) @binding(0) var<uniform> run: Run;
+@group(0) @binding(1) var<uniform> span: Span;
+// sin z at the middle and the end of each step, two steps to an entry: a uniform is read faster than storage.
+@group(0) @binding(2) var<uniform> drive: array<vec4<f32>, 4096>;
+@group(0) @binding(3) var<storage, read> birkhoff_weights: array<f32>;
+@group(0) @binding(4) var<storage, read> parameters: array<Parameters>;
+@group(0) @binding(5) var<storage, read_write> orbits: array<Orbit>;
+@group(0) @binding(6) var<storage, read_write> totals: array<Totals>;
+// The last stroboscopic states, [slot][instance], so that neighbouring threads touch neighbouring memory.
+@group(0) @binding(7) var<storage, read_write> last_states: array<vec2<f32>>;
+
+// sin z at the middle and the end of a step of the period. Two scalars are fetched faster than an entry is taken apart.
+fn drive_at(step: u32) -> vec2<f32> {
+    let at = step % 2u * 2u;
+    return vec2(drive[step / 2u][at], drive[step / 2u][at + 1u]);
+}

@@ -1,0 +1,179 @@
+//! The device memory of a batch.
+//!
+//! Owns the buffers, their filling and their reading back; decides nothing of what is dispatched.
+
+use bytemuck::Pod;
+use wgpu::BufferUsages;
+
+use super::context::GpuContext;
+use super::layout::{self, DRIVE_ENTRIES, LAST_STATES_SIZE, Orbit, Parameters, Run, Span, Totals, binding};
+use crate::backend::BackendError;
+use crate::dynamics::statistics;
+use crate::experiment::Settings;
+use crate::parameters::ParameterSet;
+
+/// Buffers for a batch of up to `instances`, measured over up to `periods`.
+pub struct Buffers {
+    instances: usize,
+    periods: u32,
+    run: wgpu::Buffer,
+    span: wgpu::Buffer,
+    drive: wgpu::Buffer,
+    birkhoff_weights: wgpu::Buffer,
+    parameters: wgpu::Buffer,
+    orbits: wgpu::Buffer,
+    totals: wgpu::Buffer,
+    staging: wgpu::Buffer,
+    bindings: wgpu::BindGroup,
+}
+
+impl Buffers {
+    /// Allocates; what cannot be allocated is an error.
+    pub fn new(context: &GpuContext, instances: usize, periods: u32) -> Result<Self, BackendError> {
+        let buffer = |label, size: usize, usage| {
+            context.device().create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: size as u64,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let uniform = |label, size| buffer(label, size, BufferUsages::UNIFORM | BufferUsages::COPY_DST);
+        let storage = |label, size| {
+            let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
+            buffer(label, size, usage)
+        };
+        // a binding has one element at least
+        let count = instances.max(1);
+        let run = uniform("run", size_of::<Run>());
+        let span = uniform("span", size_of::<Span>());
+        let drive = uniform("drive", DRIVE_ENTRIES * size_of::<[f32; 4]>());
+        let birkhoff_weights = storage("birkhoff_weights", periods as usize * size_of::<f32>());
+        let parameters = storage("parameters", count * size_of::<Parameters>());
+        let orbits = storage("orbits", count * size_of::<Orbit>());
+        let totals = storage("totals", count * size_of::<Totals>());
+        let last_states = storage("last_states", count * LAST_STATES_SIZE as usize);
+        let staging = buffer(
+            "staging",
+            count * size_of::<Orbit>().max(size_of::<Totals>()),
+            BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+        );
+        let bindings = context.device().create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("batch"),
+            layout: context.pipelines().layout(),
+            entries: &[
+                entry(binding::RUN, &run),
+                entry(binding::SPAN, &span),
+                entry(binding::DRIVE, &drive),
+                entry(binding::BIRKHOFF_WEIGHTS, &birkhoff_weights),
+                entry(binding::PARAMETERS, &parameters),
+                entry(binding::ORBITS, &orbits),
+                entry(binding::TOTALS, &totals),
+                entry(binding::LAST_STATES, &last_states),
+            ],
+        });
+        context.check()?;
+        Ok(Self {
+            instances,
+            periods,
+            run,
+            span,
+            drive,
+            birkhoff_weights,
+            parameters,
+            orbits,
+            totals,
+            staging,
+            bindings,
+        })
+    }
+
+    /// Whether a batch fits.
+    pub fn hold(&self, instances: usize, periods: u32) -> bool {
+        self.instances >= instances && self.periods >= periods
+    }
+
+    pub fn bindings(&self) -> &wgpu::BindGroup {
+        &self.bindings
+    }
+
+    /// Writes a batch at the beginning of its run. The stroboscope's memory needs no clearing: it reads only what it
+    /// has written.
+    pub fn fill(&self, context: &GpuContext, settings: &Settings, instances: &[ParameterSet]) {
+        let weights: Vec<f32> = statistics::birkhoff_weights(settings.periods)
+            .into_iter()
+            .map(|weight| weight as f32)
+            .collect();
+        let parameters: Vec<Parameters> = instances
+            .iter()
+            .map(|set| Parameters::new(set, settings.steps_per_period))
+            .collect();
+        let orbits: Vec<Orbit> = instances.iter().map(Orbit::start).collect();
+        let run = Run::new(settings, instances.len() as u32);
+        let drive = layout::drive_entries(settings.steps_per_period);
+        write(context, &self.run, &[run]);
+        write(context, &self.drive, &drive);
+        write(context, &self.birkhoff_weights, &weights);
+        write(context, &self.parameters, &parameters);
+        write(context, &self.orbits, &orbits);
+        let mut encoder = context.device().create_command_encoder(&Default::default());
+        encoder.clear_buffer(&self.totals, 0, None);
+        context.queue().submit([encoder.finish()]);
+    }
+
+    /// Sets what the next dispatch carries out.
+    pub fn set_span(&self, context: &GpuContext, span: Span) {
+        write(context, &self.span, &[span]);
+    }
+
+    /// The orbits of the first `count` instances.
+    pub fn read_orbits(&self, context: &GpuContext, count: usize) -> Result<Vec<Orbit>, BackendError> {
+        self.read(context, &self.orbits, count, |_| ())
+    }
+
+    /// The totals of the first `count` instances, which begin at zero again.
+    pub fn take_totals(&self, context: &GpuContext, count: usize) -> Result<Vec<Totals>, BackendError> {
+        self.read(context, &self.totals, count, |encoder| {
+            encoder.clear_buffer(&self.totals, 0, None);
+        })
+    }
+
+    /// Reads `count` elements of a buffer, then does what `after` encodes.
+    fn read<T: Pod>(
+        &self,
+        context: &GpuContext,
+        buffer: &wgpu::Buffer,
+        count: usize,
+        after: impl FnOnce(&mut wgpu::CommandEncoder),
+    ) -> Result<Vec<T>, BackendError> {
+        if count == 0 {
+            return Ok(Vec::new());
+        }
+        let size = (count * size_of::<T>()) as u64;
+        let mut encoder = context.device().create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(buffer, 0, &self.staging, 0, size);
+        after(&mut encoder);
+        context.queue().submit([encoder.finish()]);
+        let staged = self.staging.slice(..size);
+        // whether it is mapped shows below
+        staged.map_async(wgpu::MapMode::Read, |_| ());
+        context.wait()?;
+        let elements = staged
+            .get_mapped_range()
+            .map(|bytes| bytemuck::pod_collect_to_vec(&bytes))
+            .map_err(|error| BackendError::Internal(error.to_string()))?;
+        self.staging.unmap();
+        Ok(elements)
+    }
+}
+
+fn write<T: Pod>(context: &GpuContext, buffer: &wgpu::Buffer, elements: &[T]) {
+    context.queue().write_buffer(buffer, 0, bytemuck::cast_slice(elements));
+}
+
+fn entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
+    wgpu::BindGroupEntry {
+        binding,
+        resource: buffer.as_entire_binding(),
+    }
+}

@@ -1,0 +1,196 @@
+//! An open GPU: device, queue and compiled kernels, and what has gone wrong with them.
+//!
+//! Owns the device and turns every way it can fail into a [`BackendError`]; knows nothing of batches.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use super::adapter::{self, AdapterDescription};
+use super::layout::DRIVE_ENTRIES;
+use super::pipelines::Pipelines;
+use crate::backend::BackendError;
+
+/// Threads in a workgroup: a whole number of every vendor's subgroups.
+const WORKGROUP_SIZE: u32 = 64;
+
+/// A device that has not answered for so long is taken for lost. Dispatches last a tenth of a second.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// An open GPU with its compiled kernels.
+pub struct GpuContext {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    description: AdapterDescription,
+    faults: Arc<Faults>,
+    pipelines: Pipelines,
+}
+
+impl GpuContext {
+    /// Opens the first adapter with `adapter` in its name, whatever the case, or the best one; a software adapter only
+    /// where `allow_software`.
+    ///
+    /// # Errors
+    /// [`BackendError::NoDevice`] where no adapter fits, [`BackendError::Unsupported`] where its limits are too low,
+    /// and what else its driver reports.
+    pub fn open(adapter: Option<&str>, allow_software: bool) -> Result<Self, BackendError> {
+        Self::open_with_workgroup_size(adapter, allow_software, WORKGROUP_SIZE)
+    }
+
+    /// As [`GpuContext::open`], with so many threads in a workgroup.
+    ///
+    /// # Errors
+    /// As [`GpuContext::open`].
+    pub fn open_with_workgroup_size(
+        adapter: Option<&str>,
+        allow_software: bool,
+        workgroup_size: u32,
+    ) -> Result<Self, BackendError> {
+        let adapter = adapter::choose(adapter, allow_software)?;
+        let description = AdapterDescription::new(&adapter.get_info());
+        // all that the adapter has: the default limits would keep batches small
+        let limits = adapter.limits();
+        check_limits(&description, &limits, workgroup_size)?;
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("tribochaos"),
+            required_limits: limits,
+            ..Default::default()
+        }))
+        .map_err(|error| BackendError::NoDevice(format!("{description} does not open: {error}")))?;
+        let faults = Faults::watching(&device);
+        let pipelines = Pipelines::new(&device, workgroup_size);
+        faults.check()?;
+        Ok(Self {
+            device,
+            queue,
+            description,
+            faults,
+            pipelines,
+        })
+    }
+
+    pub fn description(&self) -> &AdapterDescription {
+        &self.description
+    }
+
+    pub fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    pub fn queue(&self) -> &wgpu::Queue {
+        &self.queue
+    }
+
+    pub(super) fn pipelines(&self) -> &Pipelines {
+        &self.pipelines
+    }
+
+    /// Fails with what has gone wrong since the last call; wgpu's calls themselves report nothing.
+    pub(super) fn check(&self) -> Result<(), BackendError> {
+        self.faults.check()
+    }
+
+    /// Waits until the device has done all it was given.
+    pub(super) fn wait(&self) -> Result<(), BackendError> {
+        let wait = wgpu::PollType::Wait {
+            submission_index: None,
+            timeout: Some(PATIENCE),
+        };
+        // where the driver reports a loss while it is waited for, wgpu panics instead of returning
+        let waited = catch_unwind(AssertUnwindSafe(|| self.device.poll(wait)));
+        self.check()?;
+        match waited {
+            Ok(Ok(_)) => Ok(()),
+            Ok(Err(wgpu::PollError::Timeout)) => Err(BackendError::DeviceLost(format!(
+                "it did not answer for {} s",
+                PATIENCE.as_secs()
+            ))),
+            Ok(Err(error)) => Err(BackendError::Internal(error.to_string())),
+            Err(_) => Err(BackendError::DeviceLost("its driver reported no reason".to_owned())),
+        }
+    }
+}
+
+/// The kernels need little, but not every adapter has it.
+fn check_limits(
+    description: &AdapterDescription,
+    limits: &wgpu::Limits,
+    workgroup_size: u32,
+) -> Result<(), BackendError> {
+    let workgroup = limits
+        .max_compute_invocations_per_workgroup
+        .min(limits.max_compute_workgroup_size_x);
+    for (what, has, needs) in [
+        (
+            "threads in a workgroup",
+            u64::from(workgroup),
+            u64::from(workgroup_size),
+        ),
+        (
+            "storage buffers in a kernel",
+            limits.max_storage_buffers_per_shader_stage.into(),
+            5,
+        ),
+        (
+            "bytes in a uniform buffer",
+            limits.max_uniform_buffer_binding_size,
+            (DRIVE_ENTRIES * size_of::<[f32; 4]>()) as u64,
+        ),
+    ] {
+        if has < needs {
+            return Err(BackendError::Unsupported(format!(
+                "{description} allows {has} {what}, and {needs} are needed: use --backend cpu"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// What wgpu has reported of a device, outside of the calls that caused it.
+#[derive(Default)]
+struct Faults {
+    /// Why the device was lost; that stays.
+    lost: Mutex<Option<String>>,
+    /// The first other error since the last check; those that follow are its consequences.
+    error: Mutex<Option<BackendError>>,
+}
+
+impl Faults {
+    fn watching(device: &wgpu::Device) -> Arc<Self> {
+        let faults = Arc::new(Self::default());
+        let of_loss = Arc::clone(&faults);
+        device.set_device_lost_callback(move |reason, message| {
+            let message = match reason {
+                wgpu::DeviceLostReason::Destroyed => "it was closed while in use".to_owned(),
+                wgpu::DeviceLostReason::Unknown => message,
+            };
+            set_first(&of_loss.lost, message);
+        });
+        let of_errors = Arc::clone(&faults);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            let error = match error {
+                wgpu::Error::OutOfMemory { source } => BackendError::OutOfMemory(source.to_string()),
+                wgpu::Error::Validation { description, .. } | wgpu::Error::Internal { description, .. } => {
+                    BackendError::Internal(description)
+                }
+            };
+            set_first(&of_errors.error, error);
+        }));
+        faults
+    }
+
+    fn check(&self) -> Result<(), BackendError> {
+        let error = self.error.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some(reason) = &*self.lost.lock().unwrap_or_else(PoisonError::into_inner) {
+            return Err(BackendError::DeviceLost(reason.clone()));
+        }
+        error.map_or(Ok(()), Err)
+    }
+}
+
+fn set_first<T>(place: &Mutex<Option<T>>, value: T) {
+    place
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .get_or_insert(value);
+}

@@ -1,0 +1,186 @@
+//! What host and device share in memory: the structs of `shaders/shared/bindings.wgsl`, field by field, and the
+//! bindings' numbers.
+//!
+//! Owns the passage from parameters and settings to these structs; neither allocates nor dispatches.
+
+use std::f64::consts::TAU;
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::backend::{EndState, Sums};
+use crate::dynamics::drive::DriveTable;
+use crate::dynamics::stroboscope::{self, MAX_PERIOD};
+use crate::dynamics::tangent::Bases;
+use crate::experiment::Settings;
+use crate::parameters::{Parameter, ParameterSet};
+
+/// The bindings of group 0, as numbered in the shader.
+pub mod binding {
+    pub const RUN: u32 = 0;
+    pub const SPAN: u32 = 1;
+    pub const DRIVE: u32 = 2;
+    pub const BIRKHOFF_WEIGHTS: u32 = 3;
+    pub const PARAMETERS: u32 = 4;
+    pub const ORBITS: u32 = 5;
+    pub const TOTALS: u32 = 6;
+    pub const LAST_STATES: u32 = 7;
+}
+
+/// Entries of the drive table, as large as every device allows a uniform buffer to be (64 KiB).
+pub const DRIVE_ENTRIES: usize = 4096;
+
+/// The drive table holds two steps an entry.
+pub const MAX_STEPS_PER_PERIOD: u32 = 2 * DRIVE_ENTRIES as u32;
+
+/// Bytes of an instance's last stroboscopic states, its largest share of any one buffer.
+pub const LAST_STATES_SIZE: u64 = (MAX_PERIOD * size_of::<[f32; 2]>()) as u64;
+
+/// What all instances of a batch share.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Run {
+    pub instances: u32,
+    pub steps_per_period: u32,
+    pub renormalise_every: u32,
+    pub unrecorded: u32,
+    pub period_tolerance: f32,
+}
+
+impl Run {
+    pub fn new(settings: &Settings, instances: u32) -> Self {
+        Self {
+            instances,
+            steps_per_period: settings.steps_per_period,
+            renormalise_every: settings.renormalise_every,
+            unrecorded: settings.periods - stroboscope::window(settings.periods),
+            period_tolerance: settings.period_tolerance as f32,
+        }
+    }
+}
+
+/// The part of a slice that one dispatch carries out.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct Span {
+    pub first_instance: u32,
+    pub instances: u32,
+    pub first: u32,
+    pub periods: u32,
+    pub elapsed: u32,
+    pub measured: u32,
+}
+
+/// One instance's parameters.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Parameters {
+    pub zeta_k: f32,
+    pub h1: f32,
+    pub omega_k: f32,
+    pub b: f32,
+    pub epsilon: f32,
+    pub f_0: f32,
+    pub alpha: f32,
+    pub beta: f32,
+    pub epsilon_0: f32,
+    pub step_size: f32,
+}
+
+impl Parameters {
+    pub fn new(set: &ParameterSet, steps_per_period: u32) -> Self {
+        let value = |parameter| set[parameter] as f32;
+        Self {
+            zeta_k: value(Parameter::ZetaK),
+            h1: value(Parameter::H1),
+            omega_k: value(Parameter::OmegaK),
+            b: value(Parameter::B),
+            epsilon: value(Parameter::Epsilon),
+            f_0: value(Parameter::F0),
+            alpha: value(Parameter::Alpha),
+            beta: value(Parameter::Beta),
+            epsilon_0: value(Parameter::Epsilon0),
+            step_size: (TAU / (set[Parameter::Omega0] * f64::from(steps_per_period))) as f32,
+        }
+    }
+}
+
+/// One instance as it is carried along.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Orbit {
+    pub x: f32,
+    pub y: f32,
+    pub first_x: f32,
+    pub first_y: f32,
+    pub second_x: f32,
+    pub second_y: f32,
+    pub x_min: f32,
+    pub x_max: f32,
+    pub candidates: u32,
+    pub runaway_period: u32,
+}
+
+impl Orbit {
+    /// The instance at the beginning of its run.
+    pub fn start(set: &ParameterSet) -> Self {
+        let x = set[Parameter::X0] as f32;
+        let Bases { first, second } = Bases::<f32>::start();
+        Self {
+            x,
+            y: set[Parameter::Y0] as f32,
+            first_x: first.x,
+            first_y: first.y,
+            second_x: second.x,
+            second_y: second.y,
+            x_min: x,
+            x_max: x,
+            candidates: u32::MAX,
+            runaway_period: 0,
+        }
+    }
+}
+
+impl From<Orbit> for EndState {
+    fn from(orbit: Orbit) -> Self {
+        Self {
+            x: orbit.x.into(),
+            y: orbit.y.into(),
+            x_min: orbit.x_min.into(),
+            x_max: orbit.x_max.into(),
+            candidates: orbit.candidates,
+            runaway_period: (orbit.runaway_period > 0).then_some(orbit.runaway_period),
+        }
+    }
+}
+
+/// One instance's sums over measured periods since they were last collected.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Totals {
+    pub growth_first: f32,
+    pub growth_second: f32,
+    pub birkhoff: f32,
+    pub divergence: f32,
+}
+
+impl From<Totals> for Sums {
+    fn from(totals: Totals) -> Self {
+        Self {
+            growth: [totals.growth_first.into(), totals.growth_second.into()],
+            birkhoff: totals.birkhoff.into(),
+            divergence: totals.divergence.into(),
+        }
+    }
+}
+
+/// The drive table as the shader reads it: [middle, end] of two steps an entry, the rest zero.
+pub fn drive_entries(steps_per_period: u32) -> Vec<[[f32; 2]; 2]> {
+    let mut entries = vec![[[0.0; 2]; 2]; DRIVE_ENTRIES];
+    for (entry, steps) in entries
+        .iter_mut()
+        .zip(DriveTable::new::<f32>(steps_per_period).steps().chunks(2))
+    {
+        entry[..steps.len()].copy_from_slice(steps);
+    }
+    entries
+}

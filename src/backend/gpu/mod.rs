@@ -1,0 +1,198 @@
+//! The GPU backend: one thread an instance, f32, in WGSL through wgpu.
+//!
+//! Owns the passage of batches through a device; the arithmetic is that of `shaders/`, whose files are twins of the
+//! model's and the algorithms' modules.
+
+mod adapter;
+mod buffers;
+mod context;
+pub mod layout;
+mod pacer;
+mod pipelines;
+pub mod shader_source;
+
+use std::time::Instant;
+
+pub use adapter::{AdapterDescription, adapters};
+pub use context::GpuContext;
+
+use self::buffers::Buffers;
+use self::layout::{LAST_STATES_SIZE, MAX_STEPS_PER_PERIOD, Span};
+use self::pacer::{Load, Pacer};
+use self::shader_source::Kernel;
+use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
+use crate::experiment::{ExperimentError, MIN_EPSILON_0_F32, Settings};
+use crate::measurement::BackendKind;
+use crate::parameters::{Parameter, ParameterSet};
+
+/// Instances that fill the largest devices.
+const HARDWARE_BATCH: u64 = 1 << 18;
+/// Instances that fill a CPU, few enough for a batch to end within seconds.
+const SOFTWARE_BATCH: u64 = 1 << 13;
+
+/// Integrates on a GPU.
+pub struct GpuBackend {
+    context: GpuContext,
+    /// One a kernel.
+    pacers: [Pacer; Kernel::ALL.len()],
+    buffers: Option<Buffers>,
+    load: Load,
+}
+
+impl GpuBackend {
+    pub fn new(context: GpuContext) -> Self {
+        let load = Load {
+            instances: 0,
+            steps_per_period: 0,
+            workgroup_size: context.pipelines().workgroup_size(),
+            max_workgroups: context.device().limits().max_compute_workgroups_per_dimension,
+        };
+        Self {
+            context,
+            pacers: Default::default(),
+            buffers: None,
+            load,
+        }
+    }
+
+    pub fn context(&self) -> &GpuContext {
+        &self.context
+    }
+
+    /// Most instances of a batch: the device limits the size of a buffer.
+    fn max_instances(&self) -> u64 {
+        let limits = self.context.device().limits();
+        limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / LAST_STATES_SIZE
+    }
+
+    fn check(&self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
+        if settings.steps_per_period > MAX_STEPS_PER_PERIOD {
+            return Err(BackendError::Unsupported(format!(
+                "{} steps a period are more than the {MAX_STEPS_PER_PERIOD} that the GPU's drive table holds: use \
+                 --backend cpu or fewer --steps-per-period",
+                settings.steps_per_period
+            )));
+        }
+        if instances.len() as u64 > self.max_instances() {
+            return Err(BackendError::Unsupported(format!(
+                "a batch of {} points is larger than the {} that a buffer of the {} holds: use smaller batches",
+                instances.len(),
+                self.max_instances(),
+                self.context.description()
+            )));
+        }
+        let thinnest = instances
+            .iter()
+            .map(|set| set[Parameter::Epsilon0])
+            .fold(f64::INFINITY, f64::min);
+        if thinnest < MIN_EPSILON_0_F32 {
+            let error = ExperimentError::LayerTooThinForF32 { value: thinnest };
+            return Err(BackendError::Unsupported(error.to_string()));
+        }
+        Ok(())
+    }
+
+    fn buffers(&self) -> &Buffers {
+        self.buffers.as_ref().expect("a batch is loaded before it is advanced")
+    }
+
+    fn dispatch(&self, kernel: Kernel, span: Span) -> Result<(), BackendError> {
+        let buffers = self.buffers();
+        let pipelines = self.context.pipelines();
+        buffers.set_span(&self.context, span);
+        let mut encoder = self.context.device().create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(pipelines.kernel(kernel));
+        pass.set_bind_group(0, buffers.bindings(), &[]);
+        pass.dispatch_workgroups(span.instances.div_ceil(pipelines.workgroup_size()), 1, 1);
+        drop(pass);
+        self.context.queue().submit([encoder.finish()]);
+        self.context.wait()
+    }
+}
+
+impl Backend for GpuBackend {
+    fn kind(&self) -> BackendKind {
+        BackendKind::GpuF32
+    }
+
+    fn device(&self) -> String {
+        let adapter = self.context.description();
+        format!(
+            "GPU {} ({}), {}",
+            adapter.name,
+            adapter.backend,
+            self.kind().precision()
+        )
+    }
+
+    fn batch_size(&self) -> usize {
+        let fills = if self.context.description().is_software {
+            SOFTWARE_BATCH
+        } else {
+            HARDWARE_BATCH
+        };
+        fills.min(self.max_instances()) as usize
+    }
+
+    fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
+        self.check(settings, instances)?;
+        let fits = |buffers: &Buffers| buffers.hold(instances.len(), settings.periods);
+        if !self.buffers.as_ref().is_some_and(fits) {
+            // the old ones are freed first
+            self.buffers = None;
+            self.buffers = Some(Buffers::new(&self.context, instances.len(), settings.periods)?);
+        }
+        self.load.instances = instances.len() as u32;
+        self.load.steps_per_period = settings.steps_per_period;
+        self.buffers().fill(&self.context, settings, instances);
+        self.context.check()
+    }
+
+    fn advance(&mut self, slice: &Slice) -> Result<(), BackendError> {
+        let kernel = match slice.stage {
+            Stage::Transient => Kernel::Plain,
+            Stage::Align | Stage::Measure => Kernel::Tangent,
+        };
+        let load = self.load;
+        let mut done = 0;
+        while done < slice.periods {
+            let periods = self.pacers[kernel as usize].periods(&load, slice.periods - done);
+            let mut first_instance = 0;
+            while first_instance < load.instances {
+                let left = load.instances - first_instance;
+                let instances = self.pacers[kernel as usize].instances(&load, periods, left);
+                let started = Instant::now();
+                self.dispatch(
+                    kernel,
+                    Span {
+                        first_instance,
+                        instances,
+                        first: slice.first + done,
+                        periods,
+                        elapsed: slice.elapsed + done,
+                        measured: u32::from(slice.stage == Stage::Measure),
+                    },
+                )?;
+                self.pacers[kernel as usize].record(&load, periods, instances, started.elapsed());
+                first_instance += instances;
+            }
+            done += periods;
+        }
+        Ok(())
+    }
+
+    fn collect(&mut self) -> Result<Vec<Sums>, BackendError> {
+        let totals = self
+            .buffers()
+            .take_totals(&self.context, self.load.instances as usize)?;
+        Ok(totals.into_iter().map(Sums::from).collect())
+    }
+
+    fn end_states(&mut self) -> Result<Vec<EndState>, BackendError> {
+        let orbits = self
+            .buffers()
+            .read_orbits(&self.context, self.load.instances as usize)?;
+        Ok(orbits.into_iter().map(EndState::from).collect())
+    }
+}

@@ -1,0 +1,160 @@
+//! How much of a slice one dispatch carries out.
+//!
+//! Owns the arithmetic that keeps dispatches short enough for drivers, which take a device that does not answer for
+//! about two seconds for hung, and long enough to be worth their overhead; dispatches nothing itself.
+
+use std::time::Duration;
+
+/// What dispatches are sized to.
+const TARGET: Duration = Duration::from_millis(75);
+/// A dispatch that lasts longer makes the next ones shorter.
+const LONGEST: Duration = Duration::from_millis(100);
+/// Steps of the first dispatch, short on any device.
+const FIRST_STEPS: f64 = (1 << 22) as f64;
+/// Most times longer that a dispatch is than one that was too short: a clock that rises, or a driver that compiles
+/// during the first dispatch, makes single timings doubtful.
+const FASTEST_GROWTH: f64 = 8.0;
+
+/// The batch that is dispatched in parts.
+#[derive(Clone, Copy, Debug)]
+pub struct Load {
+    pub instances: u32,
+    pub steps_per_period: u32,
+    pub workgroup_size: u32,
+    /// The device's limit of workgroups in a dispatch.
+    pub max_workgroups: u32,
+}
+
+/// Learns from every dispatch how many steps the next may do.
+#[derive(Clone, Debug)]
+pub struct Pacer {
+    /// Steps, summed over instances.
+    steps: f64,
+}
+
+impl Default for Pacer {
+    fn default() -> Self {
+        Self { steps: FIRST_STEPS }
+    }
+}
+
+impl Pacer {
+    /// Periods that the whole batch is carried on by, of `left`: one at least, in as many dispatches as that takes.
+    pub fn periods(&self, load: &Load, left: u32) -> u32 {
+        let steps = f64::from(load.instances) * f64::from(load.steps_per_period);
+        ((self.steps / steps) as u32).clamp(1, left)
+    }
+
+    /// Instances that the next dispatch carries on by `periods`, of `left`: whole workgroups, and ranges of nearly
+    /// equal size, since a small last one would leave the device idle.
+    pub fn instances(&self, load: &Load, periods: u32, left: u32) -> u32 {
+        let steps = f64::from(periods) * f64::from(load.steps_per_period);
+        let size = f64::from(load.workgroup_size);
+        let most = (self.steps / steps / size).clamp(1.0, f64::from(load.max_workgroups)) as u32;
+        let workgroups = left.div_ceil(load.workgroup_size);
+        let ranges = workgroups.div_ceil(most);
+        (workgroups.div_ceil(ranges) * load.workgroup_size).min(left)
+    }
+
+    /// Learns that a dispatch of so many periods of so many instances took `elapsed`.
+    pub fn record(&mut self, load: &Load, periods: u32, instances: u32, elapsed: Duration) {
+        let steps = f64::from(periods) * f64::from(instances) * f64::from(load.steps_per_period);
+        let factor = TARGET.as_secs_f64() / elapsed.as_secs_f64().max(1e-9);
+        if elapsed > LONGEST {
+            self.steps = steps * factor;
+        } else {
+            // a dispatch that was short for want of work does not lower what is known to be possible
+            self.steps = self.steps.max(steps * factor.min(FASTEST_GROWTH));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LOAD: Load = Load {
+        instances: 100_000,
+        steps_per_period: 628,
+        workgroup_size: 64,
+        max_workgroups: 65535,
+    };
+
+    /// Carries a batch on as the backend does; returns each dispatch's size and duration on a device with so many
+    /// seconds a step.
+    fn run(pacer: &mut Pacer, load: &Load, periods: u32, seconds_a_step: f64) -> Vec<(u32, u32, f64)> {
+        let mut dispatches = Vec::new();
+        let mut done = 0;
+        while done < periods {
+            let chunk = pacer.periods(load, periods - done);
+            let mut first = 0;
+            while first < load.instances {
+                let count = pacer.instances(load, chunk, load.instances - first);
+                let steps = f64::from(chunk) * f64::from(count) * f64::from(load.steps_per_period);
+                let seconds = steps * seconds_a_step;
+                pacer.record(load, chunk, count, Duration::from_secs_f64(seconds));
+                dispatches.push((chunk, count, seconds));
+                first += count;
+            }
+            assert_eq!(first, load.instances);
+            done += chunk;
+        }
+        assert_eq!(done, periods);
+        dispatches
+    }
+
+    #[test]
+    fn dispatches_settle_between_the_bounds_on_slow_and_fast_devices() {
+        for seconds_a_step in [2e-8, 2e-9, 1e-10, 3e-12] {
+            let mut pacer = Pacer::default();
+            run(&mut pacer, &LOAD, 400, seconds_a_step);
+            let settled = run(&mut pacer, &LOAD, 400, seconds_a_step);
+            let longest = settled.iter().map(|dispatch| dispatch.2).fold(0.0, f64::max);
+            let mean = settled.iter().map(|dispatch| dispatch.2).sum::<f64>() / settled.len() as f64;
+            assert!(longest <= LONGEST.as_secs_f64(), "{seconds_a_step}: {longest}");
+            assert!(mean > 0.04, "{seconds_a_step}: {mean}");
+        }
+    }
+
+    #[test]
+    fn no_dispatch_is_long_on_a_slow_device_nor_when_it_slows_down() {
+        let mut pacer = Pacer::default();
+        let longest = |dispatches: &[(u32, u32, f64)]| dispatches.iter().map(|dispatch| dispatch.2).fold(0.0, f64::max);
+        assert!(longest(&run(&mut pacer, &LOAD, 100, 2e-8)) < 0.1);
+        let slowed = run(&mut pacer, &LOAD, 100, 1e-7);
+        assert!(longest(&slowed) < 0.5 && longest(&slowed[1..]) < 0.1);
+    }
+
+    #[test]
+    fn a_dispatch_short_for_want_of_work_does_not_shrink_the_next() {
+        let mut pacer = Pacer::default();
+        run(&mut pacer, &LOAD, 400, 1e-9);
+        let before = pacer.steps;
+        let small = Load { instances: 3, ..LOAD };
+        pacer.record(&small, 1, 3, Duration::from_millis(20));
+        assert_eq!(pacer.steps, before);
+    }
+
+    #[test]
+    fn ranges_keep_to_the_device_s_limit_and_are_nearly_equal() {
+        let load = Load {
+            instances: 200_001,
+            workgroup_size: 1,
+            ..LOAD
+        };
+        let pacer = Pacer { steps: 1e12 };
+        let counts: Vec<u32> = run(&mut pacer.clone(), &load, 1, 1e-12)
+            .iter()
+            .map(|dispatch| dispatch.1)
+            .collect();
+        assert_eq!(counts, [50001, 50000, 50000, 50000]);
+    }
+
+    #[test]
+    fn even_one_workgroup_s_period_is_dispatched_when_nothing_smaller_is_possible() {
+        let pacer = Pacer { steps: 1.0 };
+        assert_eq!(pacer.periods(&LOAD, 16), 1);
+        assert_eq!(pacer.instances(&LOAD, 1, LOAD.instances), 64);
+        assert_eq!(pacer.instances(&LOAD, 1, 5), 5);
+    }
+}
