@@ -7,9 +7,21 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
+mod caption;
+pub mod colour;
+mod colour_bar;
+pub mod csv;
+pub mod figure;
+pub mod picture;
+mod plot;
+pub mod png;
+mod raster;
 #[cfg(test)]
 mod samples;
 pub mod store;
+mod svg;
+mod text;
+mod ticks;
 
 /// The program and its version, as outputs name it.
 pub const PROGRAM: &str = concat!("tribochaos ", env!("CARGO_PKG_VERSION"));
