@@ -10,7 +10,7 @@
 //! - [`backend`]: batches of instances on the CPU or a GPU;
 //! - [`sweep`]: from a grid to measurements, and the audit of them;
 //! - [`map`]: measurements over two axes, and the threshold of chaos;
-//! - `output`: stores, pictures and tables of maps.
+//! - [`output`]: stores, pictures and tables of maps.
 //!
 //! One point, ten lines:
 //!
@@ -37,5 +37,6 @@ pub mod lanes;
 pub mod map;
 pub mod measurement;
 pub mod model;
+pub mod output;
 pub mod parameters;
 pub mod sweep;

@@ -58,7 +58,8 @@ impl ParameterMap {
 
     /// Whether any point was integrated on a GPU.
     pub fn has_gpu_points(&self) -> bool {
-        self.column(Quantity::Backend).contains(&f64::from(BackendKind::GpuF32 as u8))
+        self.column(Quantity::Backend)
+            .contains(&f64::from(BackendKind::GpuF32 as u8))
     }
 
     pub fn is_runaway(&self, index: usize) -> bool {

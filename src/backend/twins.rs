@@ -28,7 +28,9 @@ pub const MEDIAN_TOLERANCE: f64 = 1e-5;
 
 impl Twins {
     pub fn agree(&self) -> bool {
-        [self.state, self.growth].iter().all(|[median, largest]| *median < MEDIAN_TOLERANCE && *largest < TOLERANCE)
+        [self.state, self.growth]
+            .iter()
+            .all(|[median, largest]| *median < MEDIAN_TOLERANCE && *largest < TOLERANCE)
     }
 }
 
@@ -50,14 +52,28 @@ pub fn compare(a: &mut dyn Backend, b: &mut dyn Backend) -> Result<Twins, Backen
         all.sort_by(f64::total_cmp);
         [all[all.len() / 2], all[all.len() - 1]]
     };
-    Ok(Twins { instances: instances.len(), state: differences(|v| &v[..2]), growth: differences(|v| &v[2..]) })
+    Ok(Twins {
+        instances: instances.len(),
+        state: differences(|v| &v[..2]),
+        growth: differences(|v| &v[2..]),
+    })
 }
 
 /// x, y, both growths and the divergence of each instance.
 fn run(backend: &mut dyn Backend, instances: &[ParameterSet]) -> Result<Vec<[f64; 5]>, BackendError> {
     backend.load(&Settings::default(), instances)?;
-    backend.advance(&Slice { stage: Stage::Transient, first: 0, periods: 1, elapsed: 0 })?;
-    backend.advance(&Slice { stage: Stage::Measure, first: 0, periods: 1, elapsed: 1 })?;
+    backend.advance(&Slice {
+        stage: Stage::Transient,
+        first: 0,
+        periods: 1,
+        elapsed: 0,
+    })?;
+    backend.advance(&Slice {
+        stage: Stage::Measure,
+        first: 0,
+        periods: 1,
+        elapsed: 1,
+    })?;
     let sums = backend.collect()?;
     let ends = backend.end_states()?;
     Ok(ends
@@ -89,7 +105,9 @@ fn random_instances(count: usize) -> Vec<ParameterSet> {
                 (Y0, -1.0, 1.0),
             ]
             .into_iter()
-            .fold(ParameterSet::default(), |set, (parameter, low, high)| set.with(parameter, uniform(low, high)))
+            .fold(ParameterSet::default(), |set, (parameter, low, high)| {
+                set.with(parameter, uniform(low, high))
+            })
         })
         .collect()
 }
@@ -107,7 +125,10 @@ mod tests {
                 let mut portable = CpuBackend::with_instructions(precision, InstructionSet::Portable);
                 let mut other = CpuBackend::with_instructions(precision, set);
                 let twins = compare(&mut portable, &mut other).unwrap();
-                assert!(twins.agree() && twins.state[0] < median, "{set:?} {precision:?}: {twins:?}");
+                assert!(
+                    twins.agree() && twins.state[0] < median,
+                    "{set:?} {precision:?}: {twins:?}"
+                );
             }
         }
     }
@@ -126,8 +147,10 @@ mod tests {
                 self.0.batch_size()
             }
             fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
-                let bent: Vec<_> =
-                    instances.iter().map(|set| set.with(Parameter::Alpha, set[Parameter::Alpha] + 1e-3)).collect();
+                let bent: Vec<_> = instances
+                    .iter()
+                    .map(|set| set.with(Parameter::Alpha, set[Parameter::Alpha] + 1e-3))
+                    .collect();
                 self.0.load(settings, &bent)
             }
             fn advance(&mut self, slice: &Slice) -> Result<(), BackendError> {

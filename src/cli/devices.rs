@@ -2,7 +2,6 @@
 
 use anyhow::anyhow;
 use clap::Args;
-use tribochaos::sweep::choice;
 use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
 use tribochaos::backend::gpu::{GpuBackend, GpuContext, adapters};
 use tribochaos::backend::{Backend, twins};
@@ -10,6 +9,7 @@ use tribochaos::experiment::{Precision, Request};
 use tribochaos::grid::Axis;
 use tribochaos::map::ParameterMap;
 use tribochaos::output::PROGRAM;
+use tribochaos::sweep::choice;
 use tribochaos::sweep::{Backends, audit};
 
 use super::{Failure, progress, report};
@@ -32,7 +32,12 @@ pub fn run(args: &DevicesArgs) -> Result<(), Failure> {
     println!("CPU, {} threads", rayon::current_num_threads());
     for (rank, set) in InstructionSet::available().into_iter().enumerate() {
         let used = if rank == 0 { "  (used)" } else { "" };
-        println!("  {}: {} lanes of f64, {} of f32{used}", set.name(), set.lanes(Precision::F64), set.lanes(Precision::F32));
+        println!(
+            "  {}: {} lanes of f64, {} of f32{used}",
+            set.name(),
+            set.lanes(Precision::F64),
+            set.lanes(Precision::F32)
+        );
     }
     let adapters = adapters();
     println!("GPU adapters: {}", if adapters.is_empty() { "none" } else { "" });
@@ -46,7 +51,11 @@ pub fn run(args: &DevicesArgs) -> Result<(), Failure> {
 }
 
 fn check(adapter: Option<&str>) -> Result<(), Failure> {
-    let open = || GpuContext::open(adapter, true).map(GpuBackend::new).map_err(Failure::backend);
+    let open = || {
+        GpuContext::open(adapter, true)
+            .map(GpuBackend::new)
+            .map_err(Failure::backend)
+    };
     let mut gpu = open()?;
     println!("{PROGRAM}, {} {}", std::env::consts::OS, std::env::consts::ARCH);
     println!("{}", gpu.context().description());
@@ -58,8 +67,16 @@ fn check(adapter: Option<&str>) -> Result<(), Failure> {
     }
 
     let mut request = Request {
-        x: Axis { count: 24, stop: 6.0, ..Request::default().x },
-        y: Axis { count: 24, stop: 1.5, ..Request::default().y },
+        x: Axis {
+            count: 24,
+            stop: 6.0,
+            ..Request::default().x
+        },
+        y: Axis {
+            count: 24,
+            stop: 1.5,
+            ..Request::default().y
+        },
         ..Request::default()
     };
     request.settings.transient_periods = 150;
@@ -77,12 +94,16 @@ fn check(adapter: Option<&str>) -> Result<(), Failure> {
     for (index, measurement) in measurements.iter().enumerate() {
         map.set(index, measurement);
     }
-    let audit = audit::audit(&map, indices.len(), observer).map_err(Failure::backend)?.ok_or_else(interrupted)?;
+    let audit = audit::audit(&map, indices.len(), observer)
+        .map_err(Failure::backend)?
+        .ok_or_else(interrupted)?;
     print!("{}", report::audit(&audit));
     if twins.agree() && audit.passes() {
         println!("the GPU computes rightly");
         Ok(())
     } else {
-        Err(Failure::Run(anyhow!("the GPU does not agree with the CPU: use --backend cpu, and send this report")))
+        Err(Failure::Run(anyhow!(
+            "the GPU does not agree with the CPU: use --backend cpu, and send this report"
+        )))
     }
 }

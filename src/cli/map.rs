@@ -5,13 +5,13 @@ use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
 use clap::Args;
-use tribochaos::sweep::choice::{self, Choice};
 use tribochaos::experiment::{Experiment, Request};
 use tribochaos::grid::Axis;
 use tribochaos::output::picture::Style;
 use tribochaos::output::png;
 use tribochaos::output::store::MapStore;
 use tribochaos::sweep::audit::{self, Audit};
+use tribochaos::sweep::choice::{self, Choice};
 use tribochaos::sweep::{self, estimate};
 
 use super::outputs::Outputs;
@@ -106,7 +106,9 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
 
     let map = store.read_map().map_err(Failure::run)?;
     let audit = audit_map(&map, &experiment, &mut store)?;
-    store.set_attribute("devices", devices.clone().into()).map_err(Failure::run)?;
+    store
+        .set_attribute("devices", devices.clone().into())
+        .map_err(Failure::run)?;
     let files = outputs.draw(&map, &Style::default()).map_err(Failure::Run)?;
     print!("{}", report::summary(&map, points, elapsed, &devices));
     if let Some(audit) = audit {
@@ -123,7 +125,10 @@ fn compute(experiment: &Experiment, choice: Choice, store: &MapStore) -> Result<
     let mut backends = choice.backends;
     let columns = experiment.grid.axes[0].count;
     let settings = &experiment.settings;
-    let progress = Progress::new(sweep::instance_periods(settings, experiment.grid.len()), experiment.grid.len());
+    let progress = Progress::new(
+        sweep::instance_periods(settings, experiment.grid.len()),
+        experiment.grid.len(),
+    );
     let mut devices = vec![backends.active().device()];
     let mut computed = 0;
     for (done, tile) in store.tiles().enumerate() {
@@ -163,11 +168,19 @@ fn audit_map(
     experiment: &Experiment,
     store: &mut MapStore,
 ) -> Result<Option<Audit>, Failure> {
-    let points = experiment.settings.audit.unwrap_or(if map.has_gpu_points() { DEFAULT_AUDIT } else { 0 });
+    let points = experiment
+        .settings
+        .audit
+        .unwrap_or(if map.has_gpu_points() { DEFAULT_AUDIT } else { 0 });
     if points == 0 {
         return Ok(None);
     }
-    let interrupted = || Failure::Interrupted(format!("the map is finished, its audit is not: {}", store.path().display()));
+    let interrupted = || {
+        Failure::Interrupted(format!(
+            "the map is finished, its audit is not: {}",
+            store.path().display()
+        ))
+    };
     let audit = audit::audit(map, points as usize, &mut |_| progress::until_interrupted())
         .map_err(Failure::backend)?
         .ok_or_else(interrupted)?;

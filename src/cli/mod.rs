@@ -55,7 +55,11 @@ impl Failure {
 
     /// What a backend cannot do is the request's fault, all else the machine's.
     fn backend(error: BackendError) -> Self {
-        if matches!(error, BackendError::Unsupported(_)) { Self::Input(error.into()) } else { Self::Run(error.into()) }
+        if matches!(error, BackendError::Unsupported(_)) {
+            Self::Input(error.into())
+        } else {
+            Self::Run(error.into())
+        }
     }
 
     fn run(error: impl Into<anyhow::Error>) -> Self {

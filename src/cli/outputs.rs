@@ -48,7 +48,10 @@ impl Outputs {
     /// the place cannot be written, or the disk is too small.
     pub fn open(&self, experiment: &Experiment, tile: [usize; 2], force: bool) -> anyhow::Result<MapStore> {
         if self.name.file_name().is_none() {
-            bail!("`{}` names no file: give --out a name such as outputs/map", self.name.display());
+            bail!(
+                "`{}` names no file: give --out a name such as outputs/map",
+                self.name.display()
+            );
         }
         picture::check_size(experiment, &Style::default())?;
         let path = self.store();
@@ -95,7 +98,10 @@ impl Outputs {
     fn remove_store(&self) -> anyhow::Result<()> {
         let path = self.store();
         if !path.join("zarr.json").is_file() {
-            bail!("{} is no store of a map: it is not replaced, move it away", path.display());
+            bail!(
+                "{} is no store of a map: it is not replaced, move it away",
+                path.display()
+            );
         }
         fs::remove_dir_all(&path).with_context(|| format!("cannot replace {}", path.display()))
     }
@@ -105,7 +111,10 @@ impl Outputs {
         for quantity in [Quantity::Lyapunov, Quantity::Period] {
             let path = self.picture(quantity);
             if path.exists() && png::read_experiment(&path).ok() != Some(experiment.to_toml()) {
-                bail!("{} shows another experiment: give another --out, or --force to replace it", path.display());
+                bail!(
+                    "{} shows another experiment: give another --out, or --force to replace it",
+                    path.display()
+                );
             }
         }
         Ok(())
@@ -115,7 +124,10 @@ impl Outputs {
     pub fn draw(&self, map: &ParameterMap, style: &Style) -> anyhow::Result<Vec<PathBuf>> {
         let mut files = vec![self.draw_quantity(map, Quantity::Lyapunov, style)?];
         // limits are those of the exponent
-        let period_style = Style { limits: None, ..style.clone() };
+        let period_style = Style {
+            limits: None,
+            ..style.clone()
+        };
         files.push(self.draw_quantity(map, Quantity::Period, &period_style)?);
         csv::write_threshold(&self.threshold(), map)?;
         files.push(self.threshold());

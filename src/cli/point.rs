@@ -2,10 +2,10 @@
 
 use clap::Args;
 use serde_json::{Map, Value, json};
-use tribochaos::sweep::choice;
 use tribochaos::dynamics::spectrum::lyapunov_spectrum;
 use tribochaos::experiment::{BackendChoice, Experiment, Request};
 use tribochaos::measurement::{Measurement, Status};
+use tribochaos::sweep::choice;
 
 use super::request::{self, ExperimentArgs};
 use super::{Failure, progress};
@@ -34,7 +34,9 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
     let mut backends = choice::choose(&experiment).map_err(Failure::backend)?.backends;
     progress::catch_interrupt();
     let measured = backends
-        .measure(&experiment.grid, &experiment.settings, &[0], &mut |_| progress::until_interrupted())
+        .measure(&experiment.grid, &experiment.settings, &[0], &mut |_| {
+            progress::until_interrupted()
+        })
         .map_err(Failure::backend)?
         .ok_or_else(|| Failure::Interrupted("nothing was measured".into()))?;
     let spectrum = lyapunov_spectrum(&experiment.grid.point(0), &experiment.settings);
@@ -47,8 +49,10 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
 }
 
 fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) -> Value {
-    let parameters: Map<String, Value> =
-        experiment.fixed_parameters().map(|(parameter, value)| (parameter.name().to_owned(), value.into())).collect();
+    let parameters: Map<String, Value> = experiment
+        .fixed_parameters()
+        .map(|(parameter, value)| (parameter.name().to_owned(), value.into()))
+        .collect();
     let mut object = json!({
         "parameters": parameters,
         "settings": experiment.settings,
@@ -87,19 +91,36 @@ fn print(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) {
         return;
     }
     let settings = &experiment.settings;
-    println!("class               {}", m.class.map_or("-", tribochaos::measurement::Class::name));
+    println!(
+        "class               {}",
+        m.class.map_or("-", tribochaos::measurement::Class::name)
+    );
     println!("maximal exponent    {:.6} +- {:.6}", m.lyapunov, m.lyapunov_error);
     println!("second exponent     {:.6}", m.lyapunov_second);
-    println!("mean divergence     {:.6}  (sum of the exponents less this: {:.1e})", m.divergence, m.divergence_defect());
+    println!(
+        "mean divergence     {:.6}  (sum of the exponents less this: {:.1e})",
+        m.divergence,
+        m.divergence_defect()
+    );
     if let Some([first, second, third]) = spectrum {
         println!("spectrum (3.6)      {first:.6} {second:.6} {third:.6}");
     }
-    println!("period              {}", m.period.map_or("none found".to_owned(), |period| period.to_string()));
+    println!(
+        "period              {}",
+        m.period.map_or("none found".to_owned(), |period| period.to_string())
+    );
     println!("x, y                {:.9} {:.9}  (last stroboscopic state)", m.x, m.y);
     println!("extremes of x       {:.6} {:.6}", m.x_min, m.x_max);
     if settings.initial_states > 1 {
-        println!("chaotic fraction    {} of {} initial states", m.chaotic_fraction, settings.initial_states);
+        println!(
+            "chaotic fraction    {} of {} initial states",
+            m.chaotic_fraction, settings.initial_states
+        );
         println!("attractors          {}", m.attractors);
     }
-    println!("integrated on       {}, {}", m.backend.device_class(), m.backend.precision());
+    println!(
+        "integrated on       {}, {}",
+        m.backend.device_class(),
+        m.backend.precision()
+    );
 }

@@ -23,7 +23,11 @@ pub fn catch_interrupt() {
 
 /// Break after Ctrl-C.
 pub fn until_interrupted() -> ControlFlow<()> {
-    if INTERRUPTED.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    if INTERRUPTED.load(Ordering::SeqCst) {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
+    }
 }
 
 /// A bar over instance-periods, shown as points.
@@ -57,7 +61,8 @@ impl Progress {
         match event {
             Event::Advanced(instance_periods) => self.bar.inc(instance_periods),
             Event::FellBack { error, device } => {
-                self.bar.suspend(|| eprintln!("warning: {error}\nwarning: going on with {device}"));
+                self.bar
+                    .suspend(|| eprintln!("warning: {error}\nwarning: going on with {device}"));
             }
         }
         until_interrupted()

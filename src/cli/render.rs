@@ -42,12 +42,19 @@ fn colours(name: &str) -> Result<ColourScale, String> {
 
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let name = outputs::name_of_store(&args.store).map_err(Failure::Input)?;
-    let map = MapStore::open(&args.store).and_then(|store| store.read_map()).map_err(Failure::input)?;
+    let map = MapStore::open(&args.store)
+        .and_then(|store| store.read_map())
+        .map_err(Failure::input)?;
     let outputs = Outputs::new(args.out.as_deref().unwrap_or(&name));
-    let mut style = Style { threshold: !args.no_threshold, ..Style::default() };
+    let mut style = Style {
+        threshold: !args.no_threshold,
+        ..Style::default()
+    };
     if let Some([low, high]) = args.limits {
         if !(low < high && low.is_finite() && high.is_finite()) {
-            return Err(Failure::Input(anyhow!("the limits {low}:{high} are no range: give the lower one first")));
+            return Err(Failure::Input(anyhow!(
+                "the limits {low}:{high} are no range: give the lower one first"
+            )));
         }
         style.limits = Some((low, high));
     }
@@ -55,7 +62,10 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let files = if args.quantity.is_empty() {
         outputs.draw(&map, &style)
     } else {
-        args.quantity.iter().map(|&quantity| outputs.draw_quantity(&map, quantity, &style)).collect()
+        args.quantity
+            .iter()
+            .map(|&quantity| outputs.draw_quantity(&map, quantity, &style))
+            .collect()
     };
     for file in files.map_err(Failure::Input)? {
         println!("wrote {}", file.display());

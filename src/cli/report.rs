@@ -3,18 +3,22 @@
 use std::fmt::Write as _;
 use std::time::Duration;
 
-use tribochaos::sweep::choice::Choice;
 use tribochaos::experiment::{Experiment, Scheme};
 use tribochaos::map::{OnsetKind, ParameterMap, threshold};
 use tribochaos::measurement::{Class, Quantity};
 use tribochaos::sweep::audit::Audit;
+use tribochaos::sweep::choice::Choice;
 
 /// What an experiment computes.
 pub fn plan(experiment: &Experiment) -> String {
     let settings = &experiment.settings;
     let mut plan = String::from("map");
     for (place, axis) in ["over", "by"].iter().zip(&experiment.grid.axes) {
-        let _ = write!(plan, " {place} {} = {}..{} ({})", axis.parameter, axis.start, axis.stop, axis.count);
+        let _ = write!(
+            plan,
+            " {place} {} = {}..{} ({})",
+            axis.parameter, axis.start, axis.stop, axis.count
+        );
     }
     let Scheme::Rk4 = settings.scheme;
     let _ = write!(
@@ -50,7 +54,10 @@ pub fn summary(map: &ParameterMap, computed: usize, elapsed: Duration, devices: 
     let settings = &map.experiment.settings;
     let points = map.experiment.grid.len();
     if computed == 0 {
-        let _ = writeln!(text, "all {points} points were in the store already; --force computes them again");
+        let _ = writeln!(
+            text,
+            "all {points} points were in the store already; --force computes them again"
+        );
     } else {
         let steps = computed as f64
             * f64::from(settings.initial_states)
@@ -59,7 +66,10 @@ pub fn summary(map: &ParameterMap, computed: usize, elapsed: Duration, devices: 
         let rate = steps / elapsed.as_secs_f64();
         let took = duration(elapsed);
         let devices = devices.join(", then ");
-        let _ = writeln!(text, "{computed} points in {took}: {rate:.2e} instance-steps/s on {devices}");
+        let _ = writeln!(
+            text,
+            "{computed} points in {took}: {rate:.2e} instance-steps/s on {devices}"
+        );
     }
     let share = |count: usize| format!("{count} ({:.1} %)", 100.0 * count as f64 / points as f64);
     let classes = Class::ALL.map(|class| {
@@ -69,14 +79,22 @@ pub fn summary(map: &ParameterMap, computed: usize, elapsed: Duration, devices: 
     let runaways = (0..points).filter(|&index| map.is_runaway(index)).count();
     let computed = (0..points).filter(|&index| map.is_computed(index)).count();
     let _ = writeln!(text, "class:  {}", classes.join(", "));
-    let _ = writeln!(text, "status: ok {}, runaway {}", share(computed - runaways), share(runaways));
+    let _ = writeln!(
+        text,
+        "status: ok {}, runaway {}",
+        share(computed - runaways),
+        share(runaways)
+    );
     let column = |quantity| map.column(quantity).iter();
     let defect = column(Quantity::Lyapunov)
         .zip(column(Quantity::LyapunovSecond))
         .zip(column(Quantity::Divergence))
         .map(|((first, second), divergence)| (first + second - divergence).abs())
         .fold(0.0, f64::max);
-    let _ = writeln!(text, "check:  sum of the exponents = mean divergence to {defect:.1e} at every point");
+    let _ = writeln!(
+        text,
+        "check:  sum of the exponents = mean divergence to {defect:.1e} at every point"
+    );
     let onsets = threshold(map);
     let count = |matches: fn(&OnsetKind) -> bool| onsets.iter().filter(|onset| matches(&onset.kind)).count();
     let _ = writeln!(

@@ -97,8 +97,13 @@ pub fn range(text: &str) -> Result<[f64; 2], String> {
 }
 
 fn initial_box(text: &str) -> Result<tribochaos::experiment::InitialBox, String> {
-    let (x, y) = text.split_once(',').ok_or("write X_MIN:X_MAX,Y_MIN:Y_MAX, for example -2:2,-2:2")?;
-    Ok(tribochaos::experiment::InitialBox { x: range(x)?, y: range(y)? })
+    let (x, y) = text
+        .split_once(',')
+        .ok_or("write X_MIN:X_MAX,Y_MIN:Y_MAX, for example -2:2,-2:2")?;
+    Ok(tribochaos::experiment::InitialBox {
+        x: range(x)?,
+        y: range(y)?,
+    })
 }
 
 fn assignment(text: &str) -> Result<(Parameter, f64), String> {

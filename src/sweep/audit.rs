@@ -44,7 +44,9 @@ impl Audit {
     /// and 95 % of all exponents within their errors.
     pub fn passes(&self) -> bool {
         let decided = self.classes.iter().filter(|row| row.class != Class::Undecided);
-        decided.clone().all(|row| (row.points - row.same_class) as f64 <= (0.02 * row.points as f64).max(1.0))
+        decided
+            .clone()
+            .all(|row| (row.points - row.same_class) as f64 <= (0.02 * row.points as f64).max(1.0))
             && self.same_exponent() as f64 >= 0.95 * self.points() as f64
     }
 
@@ -145,24 +147,47 @@ mod tests {
                 _ => Class::Regular,
             };
             let runaway = Measurement::runaway(0.0, BackendKind::GpuF32);
-            map.set(index, &Measurement { status: Status::Ok, class: Some(class), ..runaway });
+            map.set(
+                index,
+                &Measurement {
+                    status: Status::Ok,
+                    class: Some(class),
+                    ..runaway
+                },
+            );
         }
         map
     }
 
     #[test]
     fn classes_share_the_audit_and_chaos_is_never_left_out() {
-        let chosen = |points| choose(&map(), points).into_iter().map(|(class, i)| (class, i.len())).collect::<Vec<_>>();
+        let chosen = |points| {
+            choose(&map(), points)
+                .into_iter()
+                .map(|(class, i)| (class, i.len()))
+                .collect::<Vec<_>>()
+        };
         assert_eq!(chosen(1), [(Class::Chaotic, 1)]);
-        assert_eq!(chosen(5), [(Class::Chaotic, 2), (Class::Regular, 2), (Class::Undecided, 1)]);
-        assert_eq!(chosen(32), [(Class::Chaotic, 3), (Class::Regular, 28), (Class::Undecided, 1)]);
-        assert_eq!(chosen(1000), [(Class::Chaotic, 3), (Class::Regular, 96), (Class::Undecided, 1)]);
+        assert_eq!(
+            chosen(5),
+            [(Class::Chaotic, 2), (Class::Regular, 2), (Class::Undecided, 1)]
+        );
+        assert_eq!(
+            chosen(32),
+            [(Class::Chaotic, 3), (Class::Regular, 28), (Class::Undecided, 1)]
+        );
+        assert_eq!(
+            chosen(1000),
+            [(Class::Chaotic, 3), (Class::Regular, 96), (Class::Undecided, 1)]
+        );
     }
 
     #[test]
     fn a_forged_map_does_not_pass() {
         // nothing in this map was computed: its exponents are NaN
-        let audit = audit(&map(), 6, &mut |_| std::ops::ControlFlow::Continue(())).unwrap().unwrap();
+        let audit = audit(&map(), 6, &mut |_| std::ops::ControlFlow::Continue(()))
+            .unwrap()
+            .unwrap();
         assert_eq!(audit.points(), 6);
         assert_eq!(audit.same_exponent(), 0);
         assert!(!audit.passes());

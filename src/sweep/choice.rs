@@ -22,13 +22,19 @@ pub struct Choice {
 pub fn choose(experiment: &Experiment) -> Result<Choice, BackendError> {
     let settings = &experiment.settings;
     let cpu = || Box::new(CpuBackend::new(settings.precision.unwrap_or(Precision::F64)));
-    let on_cpu = |reason: String| Choice { backends: Backends::new(cpu(), None), reason };
+    let on_cpu = |reason: String| Choice {
+        backends: Backends::new(cpu(), None),
+        reason,
+    };
     let adapter = settings.adapter.as_deref();
     match settings.backend {
         BackendChoice::Cpu => Ok(on_cpu("the CPU was asked for".into())),
         BackendChoice::Gpu => {
             let gpu = GpuBackend::new(GpuContext::open(adapter, true)?);
-            Ok(Choice { backends: Backends::new(Box::new(gpu), None), reason: "a GPU was asked for".into() })
+            Ok(Choice {
+                backends: Backends::new(Box::new(gpu), None),
+                reason: "a GPU was asked for".into(),
+            })
         }
         BackendChoice::Auto => {
             if settings.precision == Some(Precision::F64) {
@@ -41,7 +47,10 @@ pub fn choose(experiment: &Experiment) -> Result<Choice, BackendError> {
                 Ok(context) => {
                     let gpu = GpuBackend::new(context);
                     let reason = format!("a hardware GPU is there: {}", gpu.device());
-                    Choice { backends: Backends::new(Box::new(gpu), Some(cpu())), reason }
+                    Choice {
+                        backends: Backends::new(Box::new(gpu), Some(cpu())),
+                        reason,
+                    }
                 }
                 Err(error) => on_cpu(error.to_string()),
             })

@@ -14,7 +14,9 @@ pub fn seconds(backend: &mut dyn Backend, experiment: &Experiment) -> Result<f64
     let points = experiment.grid.len();
     // points from all over the grid: they may differ in cost
     let sample = backend.batch_size().min(points);
-    let instances: Vec<_> = (0..sample).map(|i| experiment.grid.point(i * (points / sample))).collect();
+    let instances: Vec<_> = (0..sample)
+        .map(|i| experiment.grid.point(i * (points / sample)))
+        .collect();
     backend.load(settings, &instances)?;
     let mut elapsed = 0;
     let mut seconds_per_period = |stage| {
@@ -22,7 +24,12 @@ pub fn seconds(backend: &mut dyn Backend, experiment: &Experiment) -> Result<f64
         let mut seconds = 0.0;
         for first in 0..2 {
             let started = Instant::now();
-            backend.advance(&Slice { stage, first, periods: 1, elapsed })?;
+            backend.advance(&Slice {
+                stage,
+                first,
+                periods: 1,
+                elapsed,
+            })?;
             elapsed += 1;
             seconds = started.elapsed().as_secs_f64();
         }

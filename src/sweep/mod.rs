@@ -24,7 +24,11 @@ pub fn instance_periods(settings: &Settings, points: usize) -> u64 {
 /// Rows and columns of a map's tiles: whole rows of it if they hold no more than `points`, else parts of one.
 pub fn tile_shape(experiment: &Experiment, points: usize) -> [usize; 2] {
     let [x, y] = [0, 1].map(|axis| experiment.grid.axes[axis].count);
-    if points >= x { [(points / x).min(y), x] } else { [1, points] }
+    if points >= x {
+        [(points / x).min(y), x]
+    } else {
+        [1, points]
+    }
 }
 
 /// A backend, and another one that takes over if it fails.
