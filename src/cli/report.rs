@@ -23,9 +23,13 @@ pub fn plan(experiment: &Experiment) -> String {
     let Scheme::Rk4 = settings.scheme;
     let _ = write!(
         plan,
-        ": {} points x {} initial states, {} + {} periods of {} rk4 steps",
+        ": {} points{}, {} + {} periods of {} rk4 steps",
         experiment.grid.len(),
-        settings.initial_states,
+        if settings.initial_states > 1 {
+            format!(" x {} initial states", settings.initial_states)
+        } else {
+            String::new()
+        },
         settings.transient_periods,
         settings.periods,
         settings.steps_per_period

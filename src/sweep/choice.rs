@@ -52,6 +52,9 @@ pub fn choose(experiment: &Experiment) -> Result<Choice, BackendError> {
                         reason,
                     }
                 }
+                Err(BackendError::NoDevice(_)) => {
+                    on_cpu("no hardware GPU was found; `tribochaos devices` tells what there is".into())
+                }
                 Err(error) => on_cpu(error.to_string()),
             })
         }
