@@ -53,7 +53,7 @@ fn measurement(index: usize) -> Measurement {
         status: Status::Ok,
         class: Some(Class::Regular),
         lyapunov: -(index as f64) / 8.0,
-        period: (index % 2 == 0).then_some(4),
+        period: index.is_multiple_of(2).then_some(4),
         x: 0.25,
         ..Measurement::runaway(0.0, BackendKind::CpuF64)
     }

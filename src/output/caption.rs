@@ -50,7 +50,7 @@ fn numerics(map: &ParameterMap) -> String {
     }
     text += ". ";
     if computed < x * y {
-        text += &format!("Only {computed} points are computed. ");
+        text += &format!("Of the {} points, {computed} are computed. ", x * y);
     }
     text + &PROGRAM.replace(' ', "\u{a0}") + "."
 }

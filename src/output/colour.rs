@@ -13,7 +13,7 @@ pub enum ColourScale {
     /// Blue below zero, red above; yellow to blue where there is one side.
     #[default]
     BlueRed,
-    /// Purple below zero, green above; pale to dark grey where there is one side.
+    /// Purple below zero, green above; pale green to purple where there is one side.
     PurpleGreen,
 }
 
@@ -56,10 +56,11 @@ impl ColourScale {
     pub fn sequential(self, t: f64) -> Rgb {
         let t = t.clamp(0.0, 1.0) as f32;
         let lightness = between(SEQUENTIAL_LIGHTNESS, t);
-        match self {
-            Self::BlueRed => oklch(lightness, 0.085, between((105.0, 275.0), t)),
-            Self::PurpleGreen => oklch(lightness, 0.0, 0.0),
-        }
+        let hues = match self {
+            Self::BlueRed => (105.0, 275.0),
+            Self::PurpleGreen => (145.0, 320.0),
+        };
+        oklch(lightness, 0.085, between(hues, t))
     }
 }
 
@@ -83,7 +84,7 @@ pub const REGULAR: Rgb = [0x00, 0xb4, 0xc8];
 /// Values that do not apply to a point.
 pub const NOT_APPLICABLE: Rgb = CHAOTIC;
 
-/// Periods 1 to 8, then the groups 9 to 16, 17 to 32, and longer.
+/// Periods and other counts: 1 to 8, then the groups 9 to 16, 17 to 32, and longer.
 pub const PERIODS: [Rgb; 11] = [
     [0x3f, 0x78, 0xc0],
     [0xef, 0x8a, 0x17],
@@ -95,7 +96,7 @@ pub const PERIODS: [Rgb; 11] = [
     [0x5c, 0x0a, 0x20],
     [0x86, 0xcc, 0x96],
     [0x2f, 0x6b, 0x52],
-    [0x9c, 0x58, 0x20],
+    [0x70, 0x38, 0x8c],
 ];
 
 #[cfg(test)]
@@ -177,6 +178,16 @@ mod tests {
                 for kind in [UNDECIDED, QUASI_PERIODIC, RUNAWAY] {
                     assert!(distance(exponent, kind) > 0.07, "{scale:?} {k} {kind:?}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_apply_is_told_from_the_values_around_it() {
+        for scale in ColourScale::ALL {
+            for k in 0..=20 {
+                let value = scale.sequential(f64::from(k) / 20.0);
+                assert!(distance(value, NOT_APPLICABLE) > 0.07, "{scale:?} {k}");
             }
         }
     }

@@ -27,7 +27,7 @@ pub fn write_threshold(path: &Path, map: &ParameterMap) -> Result<(), CsvError> 
         )?;
         writeln!(
             file,
-            "# half_width: chaos sets in within {}_onset - half_width and + half_width",
+            "# half_width: chaos sets in between {0}_onset - half_width and {0}_onset + half_width",
             x.name
         )?;
         writeln!(

@@ -10,7 +10,7 @@ use super::plot::{self, Cell, Kind, Plot};
 use super::ticks::{round_step, round_up};
 use crate::experiment::Experiment;
 use crate::map::{OnsetKind, ParameterMap, threshold};
-use crate::measurement::{Class, Quantity, Status, Values};
+use crate::measurement::{Class, Quantity, Values};
 
 /// How a picture is drawn.
 #[derive(Clone, Debug)]
@@ -226,7 +226,7 @@ fn code_picture(map: &ParameterMap, quantity: Quantity, names: &[&str], style: &
         .zip(names)
         .map(|(colour, name)| Kind::new(*colour, &spoken(name)))
         .collect();
-    kinds.push(Kind::new(colour::RUNAWAY, Status::Runaway { time: 0.0 }.name()));
+    kinds.push(Kind::new(colour::RUNAWAY, "runaway"));
     let codes = map.column(quantity);
     // Only a runaway has no code.
     let cells = cells(map, |index| {

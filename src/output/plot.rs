@@ -58,9 +58,11 @@ pub struct Plot {
 const MAX_POINTS: usize = 16_384;
 const MAX_PIXELS: u64 = 128_000_000;
 
-/// A stroke of the threshold that spans more than this part of the axis is left out: it would hide the map and suggest
-/// onsets where there are none.
-const MAX_JUMP: f64 = 0.05;
+/// Strokes of the threshold from row to row are left out where they span more than this part of the axis, or this many
+/// times the height of a row: long ones suggest onsets where there are none, and where the onset jumps to and fro, flat
+/// ones fill an area with black.
+const MAX_JUMP: f64 = 0.03;
+const MAX_JUMP_ROWS: f64 = 8.0;
 
 /// Pixels that a point takes along either axis, so that the map is about `size` large; at least 1.
 pub fn cell_size(columns: usize, rows: usize, size: [u32; 2]) -> Result<[u32; 2], FigureError> {
@@ -133,8 +135,9 @@ impl Plot {
             unit,
         };
 
-        let x_ticks = self.axis_ticks(&self.x, plot_width, 95.0 * unit);
-        let y_ticks = self.axis_ticks(&self.y, plot_height, 60.0 * unit);
+        let x_room = |widest: f64| (widest + 20.0 * unit).max(95.0 * unit);
+        let x_ticks = self.axis_ticks(&self.x, plot_width, x_room, layout.tick_size());
+        let y_ticks = self.axis_ticks(&self.y, plot_height, |_| 60.0 * unit, layout.tick_size());
         let y_label = wrap(&axis_label(&self.y), layout.label_size(), plot_height);
         let y_tick_width = widest(y_ticks.iter().map(|tick| tick.label.as_str()), layout.tick_size());
         let label_line = 1.35 * layout.label_size();
@@ -167,10 +170,21 @@ impl Plot {
         })
     }
 
-    /// Within the values of the axis, not within the half cells beyond: there the map says nothing.
-    fn axis_ticks(&self, axis: &Axis, length: f64, distance: f64) -> Vec<Tick> {
+    /// Ticks within the values of the axis, not within the half cells beyond: there the map says nothing. `room` is the
+    /// least distance between ticks, given the width of the widest label; `length` is that of the whole map.
+    fn axis_ticks(&self, axis: &Axis, length: f64, room: impl Fn(f64) -> f64, size: f64) -> Vec<Tick> {
         let (low, high) = (axis.start.min(axis.stop), axis.start.max(axis.stop));
-        ticks(low, high, (length / distance) as usize)
+        let length = length * (axis.count - 1) as f64 / axis.count as f64;
+        let most = (length / room(0.0)) as usize;
+        let fits = |ticks: &Vec<Tick>| {
+            let widest = widest(ticks.iter().map(|tick| tick.label.as_str()), size);
+            ticks.len() as f64 * room(widest) <= length + room(widest)
+        };
+        (1..=most)
+            .rev()
+            .map(|most| ticks(low, high, most))
+            .find(fits)
+            .unwrap_or_else(|| ticks(low, high, 1))
     }
 
     fn draw_map(&self, svg: &mut String, layout: &Layout) -> Result<(), FigureError> {
@@ -213,11 +227,12 @@ impl Plot {
     fn threshold_path(&self, layout: &Layout) -> String {
         let half = 0.5 * layout.cell[1];
         let sign = if self.y.step() < 0.0 { -1.0 } else { 1.0 };
+        let longest = (MAX_JUMP * layout.width).min(MAX_JUMP_ROWS * layout.cell[1]);
         let mut path = String::new();
         let mut previous: Option<(f64, f64)> = None;
         for (row, onset) in self.curve.iter().enumerate() {
             let point = onset.map(|x| (self.x_pixel(x, layout), self.y_pixel(self.y.value(row), layout)));
-            let joined = |(x, _): (f64, f64), (next, _): (f64, f64)| (next - x).abs() <= MAX_JUMP * layout.width;
+            let joined = |(x, _): (f64, f64), (next, _): (f64, f64)| (next - x).abs() <= longest;
             match (previous, point) {
                 (Some(last), Some(next)) if joined(last, next) => {
                     let _ = write!(path, "L{:.2} {:.2}", next.0, next.1);
