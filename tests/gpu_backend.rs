@@ -1,6 +1,7 @@
 //! The GPU backend as a backend: its limits, its errors, and that no cutting into batches and dispatches shows.
 
 mod gpu_context;
+mod points;
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -13,22 +14,12 @@ use tribochaos::experiment::{Precision, Settings};
 use tribochaos::measurement::{Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
+use points::line;
+
 fn measure(backend: &mut dyn Backend, settings: &Settings, instances: &[ParameterSet]) -> Vec<Measurement> {
     measure_batch(backend, settings, instances, &mut |_| ControlFlow::Continue(()))
         .unwrap()
         .expect("nothing breaks the run off")
-}
-
-/// `count` points along a line through the plane of zeta_k and h1, which crosses regular and chaotic motion.
-fn line(count: usize) -> Vec<ParameterSet> {
-    (0..count)
-        .map(|i| {
-            let s = i as f64 / (count - 1) as f64;
-            ParameterSet::default()
-                .with(Parameter::ZetaK, 0.5 + 7.5 * s)
-                .with(Parameter::H1, 0.2 + 1.1 * s)
-        })
-        .collect()
 }
 
 fn cheap() -> Settings {
