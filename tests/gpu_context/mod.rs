@@ -7,7 +7,7 @@
 //! harmless message, NODEVICE_SELECT=1.
 
 use tribochaos::backend::BackendError;
-use tribochaos::backend::gpu::GpuContext;
+use tribochaos::backend::gpu::{GpuContext, adapters};
 
 /// The best GPU, software adapters included; None, with a note, where there is none at all.
 pub fn open() -> Option<GpuContext> {
@@ -18,8 +18,8 @@ pub fn open() -> Option<GpuContext> {
 pub fn or_skip(context: Result<GpuContext, BackendError>) -> Option<GpuContext> {
     match context {
         Ok(context) => Some(context),
-        Err(BackendError::NoDevice(reason)) if std::env::var_os("TRIBOCHAOS_REQUIRE_GPU").is_none() => {
-            eprintln!("skipped: {reason} (TRIBOCHAOS_REQUIRE_GPU would make this a failure)");
+        Err(error) if adapters().is_empty() && std::env::var_os("TRIBOCHAOS_REQUIRE_GPU").is_none() => {
+            eprintln!("skipped: {error} (TRIBOCHAOS_REQUIRE_GPU would make this a failure)");
             None
         }
         Err(error) => panic!("{error}"),
