@@ -220,6 +220,15 @@ fn a_device_lost_while_it_computes_is_reported_at_once() {
 }
 
 #[test]
+fn a_device_lost_before_a_batch_is_loaded_is_reported_as_lost() {
+    let Some(context) = gpu_context::open() else { return };
+    context.device().destroy();
+    let mut backend = GpuBackend::new(context);
+    let result = backend.load(&cheap(), &line(10));
+    assert!(matches!(result, Err(BackendError::DeviceLost(_))), "{result:?}");
+}
+
+#[test]
 fn what_the_gpu_cannot_do_is_refused_with_a_remedy() {
     let Some(context) = gpu_context::open() else { return };
     let mut backend = GpuBackend::new(context);
