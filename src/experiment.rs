@@ -53,11 +53,11 @@ pub struct Settings {
     pub scheme: Scheme,
     /// Steps in a forcing period (628, the paper's).
     pub steps_per_period: u32,
-    /// Forcing periods before the measurement (400).
+    /// Forcing periods before the measurement (300).
     pub transient_periods: u32,
     /// The last periods of the transient, in which the tangent vectors turn to their directions (50).
     pub align_periods: u32,
-    /// Measured forcing periods (400).
+    /// Measured forcing periods (300).
     pub periods: u32,
     /// Steps between two renormalisations of the tangent vectors (157); one ends every period besides.
     pub renormalise_every: u32,
@@ -87,9 +87,9 @@ impl Default for Settings {
         Self {
             scheme: Scheme::Rk4,
             steps_per_period: 628,
-            transient_periods: 400,
+            transient_periods: 300,
             align_periods: 50,
-            periods: 400,
+            periods: 300,
             renormalise_every: 157,
             period_tolerance: 1e-4,
             backend: BackendChoice::Auto,
@@ -385,7 +385,7 @@ mod tests {
             ("[set]\nb = nan", "out of range"),
             ("[settings]\nsteps_per_period = 7", "from 8"),
             ("[settings]\nperiods = 0", "from 16"),
-            ("[settings]\nalign_periods = 500", "from 0 to 400"),
+            ("[settings]\nalign_periods = 500", "from 0 to 300"),
             ("[settings]\nbackend = \"gpu\"\nprecision = \"f64\"", "f32"),
             ("[settings]\nbackend = \"gpu\"\n[set]\nepsilon_0 = 1e-5", "too thin"),
             ("[settings]\nscheme = \"euler\"", "rk4"),

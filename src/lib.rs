@@ -1,3 +1,34 @@
+//! Chaos-threshold maps of a rubbing oscillator: the bush-shaft system of J. Awrejcewicz and Y. Pyryev, "Regular and
+//! chaotic motion of a bush-shaft system with tribological processes", Mathematical Problems in Engineering 2006,
+//! article 86594.
+//!
+//! From the bottom to the top; nothing knows of what stands below it in this list:
+//!
+//! - [`parameters`], [`grid`], [`experiment`]: what is computed;
+//! - [`lanes`], [`model`], [`dynamics`]: numbers, physics, and algorithms over the physics;
+//! - [`measurement`]: what is measured of a point, and the classes of motion;
+//! - [`backend`]: batches of instances on the CPU or a GPU;
+//! - [`sweep`]: from a grid to measurements, and the audit of them;
+//! - [`map`]: measurements over two axes, and the threshold of chaos;
+//! - [`output`]: stores, pictures and tables of maps.
+//!
+//! One point, ten lines:
+//!
+//! ```
+//! use tribochaos::backend::{cpu::CpuBackend, measure_batch};
+//! use tribochaos::experiment::{Precision, Settings};
+//! use tribochaos::measurement::Class;
+//! use tribochaos::parameters::{Parameter, ParameterSet};
+//!
+//! let point = ParameterSet::default().with(Parameter::ZetaK, 3.5).with(Parameter::H1, 0.5);
+//! let mut backend = CpuBackend::new(Precision::F64);
+//! let carry_on = &mut |_| std::ops::ControlFlow::Continue(());
+//! let measured = measure_batch(&mut backend, &Settings::default(), &[point], carry_on)?.unwrap();
+//! assert_eq!(measured[0].class, Some(Class::Regular));
+//! assert!((measured[0].lyapunov + 0.2425).abs() < 1e-3);
+//! # Ok::<(), tribochaos::backend::BackendError>(())
+//! ```
+
 pub mod backend;
 pub mod dynamics;
 pub mod experiment;
@@ -6,4 +37,6 @@ pub mod lanes;
 pub mod map;
 pub mod measurement;
 pub mod model;
+pub mod output;
 pub mod parameters;
+pub mod sweep;

@@ -4,7 +4,7 @@
 
 use crate::experiment::Experiment;
 use crate::grid::Axis;
-use crate::measurement::{Class, Measurement, Quantity};
+use crate::measurement::{BackendKind, Class, Measurement, QUANTITIES, Quantity};
 
 /// Values of every quantity at every point of a two-dimensional grid; x varies fastest.
 #[derive(Clone, Debug)]
@@ -42,7 +42,7 @@ impl ParameterMap {
     }
 
     pub fn set(&mut self, index: usize, measurement: &Measurement) {
-        for (info, column) in crate::measurement::QUANTITIES.iter().zip(&mut self.columns) {
+        for (info, column) in QUANTITIES.iter().zip(&mut self.columns) {
             column[index] = info.quantity.of(measurement);
         }
     }
@@ -54,6 +54,12 @@ impl ParameterMap {
     /// The class of a point; None where it is not computed or ran away.
     pub fn class(&self, index: usize) -> Option<Class> {
         Class::ALL.get(code(self.column(Quantity::Class)[index])?).copied()
+    }
+
+    /// Whether any point was integrated on a GPU.
+    pub fn has_gpu_points(&self) -> bool {
+        self.column(Quantity::Backend)
+            .contains(&f64::from(BackendKind::GpuF32 as u8))
     }
 
     pub fn is_runaway(&self, index: usize) -> bool {
@@ -132,7 +138,6 @@ fn onset_of_row(map: &ParameterMap, row: usize, columns: &[usize]) -> OnsetKind 
 mod tests {
     use super::*;
     use crate::experiment::Request;
-    use crate::measurement::BackendKind;
 
     fn row(classes: &[Option<Class>], x: &str) -> OnsetKind {
         let mut request = Request {

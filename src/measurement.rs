@@ -8,14 +8,14 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Status {
     Ok,
-    /// The state became non-finite, or left |x|, |y| < [`RUNAWAY_BOUND`].
+    /// The state became non-finite, or left |x| + |y| < [`RUNAWAY_BOUND`].
     Runaway {
         /// The end of the forcing period in which it happened, in units of tau from the start of the run.
         time: f64,
     },
 }
 
-/// A state with |x| or |y| at or above this has run away: all bounded motion of the system is O(1).
+/// A state with |x| + |y| at or above this has run away: bounded motion of the system is O(1).
 pub const RUNAWAY_BOUND: f64 = 1e4;
 
 /// The kind of motion; [`Class::of`] defines it.
@@ -40,25 +40,38 @@ pub enum BackendKind {
 /// The weighted Birkhoff average of a quasi-periodic orbit's exponent lies within this of zero.
 pub const QUASI_PERIODIC_BOUND: f64 = 1e-3;
 
-/// A cycle whose exponent is positive with a standard error below this repeats the same growth period by period: the
-/// orbit began on an unstable cycle and stayed there, which is not chaos.
+/// A cycle along which the growth is positive and the exponent's standard error below this: the orbit began on an
+/// unstable cycle and never left it, which is not chaos.
 const CONSTANT_GROWTH: f64 = 1e-9;
+
+/// The cycle on which an orbit was found at the end of its run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cycle {
+    /// In forcing periods.
+    pub period: u32,
+    /// Growth rate of the tangent vector along the cycle: negative if it attracts.
+    pub growth_rate: f64,
+}
 
 impl Class {
     pub const ALL: [Self; 4] = [Self::Chaotic, Self::Regular, Self::QuasiPeriodic, Self::Undecided];
 
-    /// Classifies an orbit by its maximal exponent `lyapunov` with standard error `error`, the period of the cycle it
-    /// has settled on, and the weighted Birkhoff average of the exponent. In this order:
+    /// Classifies an orbit by its maximal exponent `lyapunov` with standard error `error`, the cycle found at its end,
+    /// and the weighted Birkhoff average of the exponent. In this order:
     ///
+    /// - regular: settled on a cycle that attracts (a chaotic transient may have come before);
     /// - chaotic: `lyapunov - 3 error > 0`;
-    /// - regular: `lyapunov + 3 error < 0`, or settled on a cycle;
+    /// - regular: `lyapunov + 3 error < 0`, or on a cycle;
     /// - quasi-periodic: `|birkhoff| <` [`QUASI_PERIODIC_BOUND`];
     /// - undecided: all else.
-    pub fn of(lyapunov: f64, error: f64, period: Option<u32>, birkhoff: f64) -> Self {
-        let on_unstable_cycle = period.is_some() && error < CONSTANT_GROWTH;
-        if lyapunov - 3.0 * error > 0.0 && !on_unstable_cycle {
+    pub fn of(lyapunov: f64, error: f64, cycle: Option<Cycle>, birkhoff: f64) -> Self {
+        // a laminar phase of chaos can pass for a cycle, but does not attract
+        let settled = cycle.is_some_and(|cycle| cycle.growth_rate < 0.0 || error < CONSTANT_GROWTH);
+        if settled {
+            Self::Regular
+        } else if lyapunov - 3.0 * error > 0.0 {
             Self::Chaotic
-        } else if lyapunov + 3.0 * error < 0.0 || period.is_some() {
+        } else if lyapunov + 3.0 * error < 0.0 || cycle.is_some() {
             Self::Regular
         } else if birkhoff.abs() < QUASI_PERIODIC_BOUND {
             Self::QuasiPeriodic
@@ -92,6 +105,13 @@ impl Status {
 impl BackendKind {
     pub fn name(self) -> &'static str {
         BACKEND_NAMES[self as usize]
+    }
+
+    pub fn device_class(self) -> &'static str {
+        match self {
+            Self::CpuF64 | Self::CpuF32 => "cpu",
+            Self::GpuF32 => "gpu",
+        }
     }
 
     pub fn precision(self) -> &'static str {
@@ -286,12 +306,21 @@ mod tests {
 
     #[test]
     fn classes_follow_their_definition() {
+        let cycle = |growth_rate| Some(Cycle { period: 3, growth_rate });
         assert_eq!(Class::of(0.1, 0.01, None, 0.1), Class::Chaotic);
-        // a laminar phase passes for a cycle, the growth over the whole window tells
-        assert_eq!(Class::of(0.1, 0.01, Some(3), 0.1), Class::Chaotic);
-        assert_eq!(Class::of(1.0, 0.0, Some(1), 1.0), Class::Regular);
+        assert_eq!(Class::of(0.1, 0.01, cycle(0.02), 0.1), Class::Chaotic, "laminar phase");
+        assert_eq!(
+            Class::of(0.1, 0.01, cycle(-0.2), 0.1),
+            Class::Regular,
+            "after a chaotic transient"
+        );
+        assert_eq!(
+            Class::of(1.0, 0.0, cycle(1.0), 1.0),
+            Class::Regular,
+            "unstable equilibrium"
+        );
         assert_eq!(Class::of(-0.1, 0.01, None, -0.1), Class::Regular);
-        assert_eq!(Class::of(-0.001, 0.01, Some(2), -0.001), Class::Regular);
+        assert_eq!(Class::of(-0.001, 0.01, cycle(0.001), -0.001), Class::Regular);
         assert_eq!(Class::of(1e-4, 1e-3, None, 9e-4), Class::QuasiPeriodic);
         assert_eq!(Class::of(0.01, 0.01, None, 0.01), Class::Undecided);
     }

@@ -94,11 +94,12 @@ impl Parameter {
         if let Some(info) = PARAMETERS.iter().find(|info| info.name == name) {
             return Ok(info.parameter);
         }
+        let typed = name.to_lowercase();
         let suggestion = PARAMETERS
             .iter()
-            .map(|info| (strsim::damerau_levenshtein(&name.to_lowercase(), info.name), info.name))
-            .min()
-            .filter(|(distance, near)| *distance <= 1 + near.len() / 4)
+            .map(|info| (strsim::jaro_winkler(&typed, info.name), info.name))
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .filter(|(similarity, _)| *similarity > 0.8)
             .map(|(_, near)| near);
         Err(ParameterError::Unknown {
             name: name.to_owned(),

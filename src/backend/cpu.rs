@@ -76,8 +76,8 @@ impl InstructionSet {
     }
 }
 
-/// Vectors in flight.
-const IN_FLIGHT: usize = 4;
+/// Vectors in flight: on AVX-512 a plain step at 6 is within some percent of the hardware's peak.
+const IN_FLIGHT: usize = 6;
 /// Lanes of the portable set.
 const PORTABLE: usize = 4;
 
@@ -445,7 +445,7 @@ impl<R: Real> Block<R> {
     #[inline(always)]
     fn note_runaways(&mut self, period: u32) {
         let bound = R::splat(RUNAWAY_BOUND);
-        let inside = self.state.x.abs().less(bound).and(self.state.y.abs().less(bound));
+        let inside = (self.state.x.abs() + self.state.y.abs()).less(bound);
         if !inside.all() {
             for (lane, runaway) in self.runaway_periods.iter_mut().enumerate() {
                 if !inside.lane(lane) && runaway.is_none() {

@@ -5,13 +5,14 @@
 
 pub mod cpu;
 pub mod gpu;
+pub mod twins;
 
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use crate::dynamics::{statistics, stroboscope};
 use crate::experiment::Settings;
-use crate::measurement::{BackendKind, Class, Measurement, Status};
+use crate::measurement::{BackendKind, Class, Cycle, Measurement, Status};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// What the forcing periods of a slice are for.
@@ -189,6 +190,18 @@ impl Growth {
         self.total.divergence += sums.divergence;
     }
 
+    /// Growth per period over the whole batches in the last `periods`, at least one.
+    fn rate_over_last(&self, periods: u32) -> f64 {
+        let mut sum = (0.0, 0.0);
+        for batch in self.batches.iter().rev() {
+            if sum.0 > 0.0 && sum.0 + batch.0 > f64::from(periods) {
+                break;
+            }
+            sum = (sum.0 + batch.0, sum.1 + batch.1);
+        }
+        sum.1 / sum.0
+    }
+
     fn measurement(
         &self,
         parameters: &ParameterSet,
@@ -204,7 +217,11 @@ impl Growth {
         let lyapunov = self.total.growth[0] / time;
         let lyapunov_error = statistics::standard_error(&self.batches) / period_time;
         let lyapunov_birkhoff = self.total.birkhoff / period_time;
-        let cycle = stroboscope::period(end.candidates, stroboscope::window(settings.periods));
+        let window = stroboscope::window(settings.periods);
+        let cycle = stroboscope::period(end.candidates, window).map(|period| Cycle {
+            period,
+            growth_rate: self.rate_over_last(window) / period_time,
+        });
         let class = Class::of(lyapunov, lyapunov_error, cycle, lyapunov_birkhoff);
         Measurement {
             status: Status::Ok,
@@ -214,7 +231,7 @@ impl Growth {
             lyapunov_second: self.total.growth[1] / time,
             divergence: self.total.divergence / time,
             lyapunov_birkhoff,
-            period: cycle.filter(|_| class == Class::Regular),
+            period: cycle.filter(|_| class == Class::Regular).map(|cycle| cycle.period),
             x: end.x,
             y: end.y,
             x_min: end.x_min,

@@ -5,7 +5,7 @@
 
 use super::tangent::{Bases, Vector};
 use crate::lanes::Real;
-use crate::model::motion::{Linearised, Motion};
+use crate::model::motion::Motion;
 
 /// Angle and angular speed of the bush.
 #[derive(Clone, Copy, Debug)]
@@ -96,37 +96,62 @@ pub fn step_with_tangent<R: Real>(
     bases: Bases<R>,
 ) -> (State<R>, Bases<R>, R) {
     let State { x, y } = state;
+    let Bases { first, second } = bases;
+
+    // every stage is used up as soon as it is known, so that little has to be held in registers
     let f1 = motion.linearised(x, y, speed.start);
+    let (a1, b1) = (first.rate(&f1), second.rate(&f1));
     let x2 = h.x2(x, y);
-    let f2 = motion.linearised(x2, f1.acceleration.mul_add(h.half, y), speed.middle);
-    let x3 = h.x3(x2, f1.acceleration);
-    let f3 = motion.linearised(x3, f2.acceleration.mul_add(h.half, y), speed.middle);
-    let x4 = h.x4(x, y, f2.acceleration);
-    let f4 = motion.linearised(x4, f3.acceleration.mul_add(h.whole, y), speed.end);
-    let end = State {
-        x: h.x_end(x, y, f1.acceleration, f2.acceleration, f3.acceleration),
-        y: h.y_end(y, f1.acceleration, f2.acceleration, f3.acceleration, f4.acceleration),
+    let first_2 = Vector {
+        x: h.x2(first.x, first.y),
+        y: a1.mul_add(h.half, first.y),
     };
-    let stages = [f1, f2, f3, f4];
+    let second_2 = Vector {
+        x: h.x2(second.x, second.y),
+        y: b1.mul_add(h.half, second.y),
+    };
+
+    let f2 = motion.linearised(x2, f1.acceleration.mul_add(h.half, y), speed.middle);
+    let (a2, b2) = (first_2.rate(&f2), second_2.rate(&f2));
+    let x3 = h.x3(x2, f1.acceleration);
+    let first_3 = Vector {
+        x: h.x3(first_2.x, a1),
+        y: a2.mul_add(h.half, first.y),
+    };
+    let second_3 = Vector {
+        x: h.x3(second_2.x, b1),
+        y: b2.mul_add(h.half, second.y),
+    };
+
+    let f3 = motion.linearised(x3, f2.acceleration.mul_add(h.half, y), speed.middle);
+    let (a3, b3) = (first_3.rate(&f3), second_3.rate(&f3));
+    let x4 = h.x4(x, y, f2.acceleration);
+    let first_4 = Vector {
+        x: h.x4(first.x, first.y, a2),
+        y: a3.mul_add(h.whole, first.y),
+    };
+    let second_4 = Vector {
+        x: h.x4(second.x, second.y, b2),
+        y: b3.mul_add(h.whole, second.y),
+    };
+
+    let f4 = motion.linearised(x4, f3.acceleration.mul_add(h.whole, y), speed.end);
+    let (a4, b4) = (first_4.rate(&f4), second_4.rate(&f4));
+    let (k1, k2, k3, k4) = (f1.acceleration, f2.acceleration, f3.acceleration, f4.acceleration);
+    let end = State {
+        x: h.x_end(x, y, k1, k2, k3),
+        y: h.y_end(y, k1, k2, k3, k4),
+    };
     let bases = Bases {
-        first: step_vector(h, &stages, bases.first),
-        second: step_vector(h, &stages, bases.second),
+        first: Vector {
+            x: h.x_end(first.x, first.y, a1, a2, a3),
+            y: h.y_end(first.y, a1, a2, a3, a4),
+        },
+        second: Vector {
+            x: h.x_end(second.x, second.y, b1, b2, b3),
+            y: h.y_end(second.y, b1, b2, b3, b4),
+        },
     };
     let divergence = h.y_end(R::splat(0.0), f1.by_y, f2.by_y, f3.by_y, f4.by_y);
     (end, bases, divergence)
-}
-
-/// One step of a tangent vector, given the linearisation at the four stages.
-#[inline(always)]
-fn step_vector<R: Real>(h: &StepSize<R>, stages: &[Linearised<R>; 4], vector: Vector<R>) -> Vector<R> {
-    let Vector { x, y } = vector;
-    let k1 = stages[0].apply(x, y);
-    let x2 = h.x2(x, y);
-    let k2 = stages[1].apply(x2, k1.mul_add(h.half, y));
-    let k3 = stages[2].apply(h.x3(x2, k1), k2.mul_add(h.half, y));
-    let k4 = stages[3].apply(h.x4(x, y, k2), k3.mul_add(h.whole, y));
-    Vector {
-        x: h.x_end(x, y, k1, k2, k3),
-        y: h.y_end(y, k1, k2, k3, k4),
-    }
 }

@@ -5,6 +5,7 @@
 //! `shaders/dynamics/tangent.wgsl`.
 
 use crate::lanes::Real;
+use crate::model::motion::Linearised;
 
 /// A tangent vector (X, Y), with Z = 0.
 #[derive(Clone, Copy, Debug)]
@@ -56,6 +57,12 @@ impl<R: Real> Bases<R> {
 }
 
 impl<R: Real> Vector<R> {
+    /// Y', the second row of (3.3); X' is Y.
+    #[inline(always)]
+    pub fn rate(self, motion: &Linearised<R>) -> R {
+        self.x.mul_add(motion.by_x, motion.by_y * self.y)
+    }
+
     #[inline(always)]
     fn normalised(self) -> (Self, R) {
         // a vector that has shrunk below the smallest number keeps no direction: it is taken as that small

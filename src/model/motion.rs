@@ -27,14 +27,6 @@ pub struct Linearised<R> {
     pub by_y: R,
 }
 
-impl<R: Real> Linearised<R> {
-    /// Rate of change of a tangent vector's y component, the second row of (3.3).
-    #[inline(always)]
-    pub fn apply(&self, x: R, y: R) -> R {
-        x.mul_add(self.by_x, self.by_y * y)
-    }
-}
-
 impl<R: Real> Motion<R> {
     /// The oscillator with the parameters that `value` gives.
     pub fn new(value: impl Fn(Parameter) -> R) -> Self {

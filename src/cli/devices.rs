@@ -1,0 +1,109 @@
+//! `devices`: what there is to compute on, and whether it computes rightly.
+
+use anyhow::anyhow;
+use clap::Args;
+use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
+use tribochaos::backend::gpu::{GpuBackend, GpuContext, adapters};
+use tribochaos::backend::{Backend, twins};
+use tribochaos::experiment::{Precision, Request};
+use tribochaos::grid::Axis;
+use tribochaos::map::ParameterMap;
+use tribochaos::output::PROGRAM;
+use tribochaos::sweep::choice;
+use tribochaos::sweep::{Backends, audit};
+
+use super::{Failure, progress, report};
+
+#[derive(Args)]
+pub struct DevicesArgs {
+    /// Hold a GPU against the CPU: function by function over a short run, and a small map audited in f64. The report is
+    /// meant to be sent to the developers
+    #[arg(long)]
+    check: bool,
+    /// Part of the name of the adapter to check [default: the first, hardware before software]
+    #[arg(long, value_name = "NAME", requires = "check")]
+    adapter: Option<String>,
+}
+
+pub fn run(args: &DevicesArgs) -> Result<(), Failure> {
+    if args.check {
+        return check(args.adapter.as_deref());
+    }
+    println!("CPU, {} threads", rayon::current_num_threads());
+    for (rank, set) in InstructionSet::available().into_iter().enumerate() {
+        let used = if rank == 0 { "  (used)" } else { "" };
+        println!(
+            "  {}: {} lanes of f64, {} of f32{used}",
+            set.name(),
+            set.lanes(Precision::F64),
+            set.lanes(Precision::F32)
+        );
+    }
+    let adapters = adapters();
+    println!("GPU adapters: {}", if adapters.is_empty() { "none" } else { "" });
+    for adapter in &adapters {
+        println!("  {adapter}");
+    }
+    let experiment = Request::default().resolve().expect("the default experiment is valid");
+    let choice = choice::choose(&experiment).map_err(Failure::backend)?;
+    println!("auto picks {}:\n  {}", choice.backends.active().device(), choice.reason);
+    Ok(())
+}
+
+fn check(adapter: Option<&str>) -> Result<(), Failure> {
+    let open = || {
+        GpuContext::open(adapter, true)
+            .map(GpuBackend::new)
+            .map_err(Failure::backend)
+    };
+    let mut gpu = open()?;
+    println!("{PROGRAM}, {} {}", std::env::consts::OS, std::env::consts::ARCH);
+    println!("{}", gpu.context().description());
+    let mut cpu = CpuBackend::new(Precision::F32);
+    let twins = twins::compare(&mut gpu, &mut cpu).map_err(Failure::backend)?;
+    println!("twins:  {} random instances against {}", twins.instances, cpu.device());
+    for (what, [median, largest]) in [("state", twins.state), ("growth", twins.growth)] {
+        println!("        {what:<7} differs by {median:.1e} in the median, {largest:.1e} at most");
+    }
+
+    let mut request = Request {
+        x: Axis {
+            count: 24,
+            stop: 6.0,
+            ..Request::default().x
+        },
+        y: Axis {
+            count: 24,
+            stop: 1.5,
+            ..Request::default().y
+        },
+        ..Request::default()
+    };
+    request.settings.transient_periods = 150;
+    request.settings.periods = 150;
+    let experiment = request.resolve().expect("the experiment is valid");
+    let mut map = ParameterMap::new(experiment);
+    let indices: Vec<usize> = (0..map.experiment.grid.len()).collect();
+    progress::catch_interrupt();
+    let observer = &mut |_: tribochaos::sweep::Event<'_>| progress::until_interrupted();
+    let interrupted = || Failure::Interrupted("the check is not finished".into());
+    let measurements = Backends::new(Box::new(gpu), None)
+        .measure(&map.experiment.grid, &map.experiment.settings, &indices, observer)
+        .map_err(Failure::backend)?
+        .ok_or_else(interrupted)?;
+    for (index, measurement) in measurements.iter().enumerate() {
+        map.set(index, measurement);
+    }
+    let audit = audit::audit(&map, indices.len(), observer)
+        .map_err(Failure::backend)?
+        .ok_or_else(interrupted)?;
+    print!("{}", report::audit(&audit));
+    if twins.agree() && audit.passes() {
+        println!("the GPU computes rightly");
+        Ok(())
+    } else {
+        Err(Failure::Run(anyhow!(
+            "the GPU does not agree with the CPU: use --backend cpu, and send this report"
+        )))
+    }
+}

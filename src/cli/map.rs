@@ -1,0 +1,198 @@
+//! `map`: from a request to a store, pictures and the threshold.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use anyhow::anyhow;
+use clap::Args;
+use tribochaos::experiment::{Experiment, Request};
+use tribochaos::grid::Axis;
+use tribochaos::output::picture::Style;
+use tribochaos::output::png;
+use tribochaos::output::store::MapStore;
+use tribochaos::sweep::audit::{self, Audit};
+use tribochaos::sweep::choice::{self, Choice};
+use tribochaos::sweep::{self, estimate};
+
+use super::outputs::Outputs;
+use super::progress::{self, Progress};
+use super::report;
+use super::request::{self, ExperimentArgs};
+use super::{Failure, outputs};
+
+#[derive(Args)]
+#[command(after_help = request::help())]
+pub struct MapArgs {
+    /// Experiment in TOML, as --print-experiment writes it; options override it
+    experiment_file: Option<PathBuf>,
+    /// Take the experiment from a picture that this program has drawn; options override it
+    #[arg(long, value_name = "PICTURE.PNG", conflicts_with = "experiment_file")]
+    from: Option<PathBuf>,
+    /// Horizontal axis, ends included [default: zeta_k=0:12:300]
+    #[arg(long, value_name = "NAME=START:STOP:COUNT", value_parser = request::axis)]
+    x: Option<Axis>,
+    /// Vertical axis, ends included [default: h1=0:2:201]
+    #[arg(long, value_name = "NAME=START:STOP:COUNT", value_parser = request::axis)]
+    y: Option<Axis>,
+    #[command(flatten)]
+    experiment: ExperimentArgs,
+    /// Points computed again on the CPU in f64 to audit the map [default: 32 of a GPU map, else 0]
+    #[arg(long, value_name = "N")]
+    audit: Option<u32>,
+    /// What all output names begin with [default: outputs/map]
+    #[arg(long, value_name = "NAME")]
+    out: Option<PathBuf>,
+    /// Replace results of another experiment, and compute those of the same one again
+    #[arg(long)]
+    force: bool,
+    /// Tell what would be done and about how long it takes, and stop
+    #[arg(long)]
+    dry_run: bool,
+    /// Print the resolved experiment as TOML, and stop
+    #[arg(long)]
+    print_experiment: bool,
+}
+
+/// Points of a GPU map that are audited by default.
+const DEFAULT_AUDIT: u32 = 32;
+
+impl MapArgs {
+    fn request(&self) -> Result<Request, Failure> {
+        let mut request = match (&self.experiment_file, &self.from) {
+            (Some(path), _) => request::read(path).map_err(Failure::Input)?,
+            (None, Some(picture)) => {
+                let toml = png::read_experiment(picture).map_err(Failure::input)?;
+                Request::from_toml(&toml).map_err(Failure::input)?
+            }
+            (None, None) => Request::default(),
+        };
+        // a parameter that becomes an axis loses the value it had in the file, unless it is set here as well
+        for (axis, typed) in [(&mut request.x, self.x), (&mut request.y, self.y)] {
+            if let Some(typed) = typed {
+                request.set.remove(typed.parameter.name());
+                *axis = typed;
+            }
+        }
+        self.experiment.apply(&mut request);
+        request.settings.audit = self.audit.or(request.settings.audit);
+        request.out = self.out.clone().or(request.out);
+        Ok(request)
+    }
+}
+
+pub fn run(args: &MapArgs) -> Result<(), Failure> {
+    let request = args.request()?;
+    let experiment = request.resolve().map_err(Failure::input)?;
+    if args.print_experiment {
+        print!("{}", experiment.to_toml());
+        return Ok(());
+    }
+    for warning in experiment.warnings() {
+        eprintln!("warning: {warning}");
+    }
+    let outputs = Outputs::new(request.out.as_deref().unwrap_or("outputs/map".as_ref()));
+    let choice = choice::choose(&experiment).map_err(Failure::backend)?;
+    if args.dry_run {
+        return dry_run(&experiment, choice, &outputs);
+    }
+    let tile = sweep::tile_shape(&experiment, choice.backends.points_per_tile(&experiment.settings));
+    let mut store = outputs.open(&experiment, tile, args.force).map_err(Failure::Input)?;
+    println!("{}\n{}", report::plan(&experiment), report::device(&choice));
+
+    progress::catch_interrupt();
+    let started = Instant::now();
+    let (points, devices) = compute(&experiment, choice, &store)?;
+    let elapsed = started.elapsed();
+
+    let map = store.read_map().map_err(Failure::run)?;
+    let audit = audit_map(&map, &experiment, &mut store)?;
+    store
+        .set_attribute("devices", devices.clone().into())
+        .map_err(Failure::run)?;
+    let files = outputs.draw(&map, &Style::default()).map_err(Failure::Run)?;
+    print!("{}", report::summary(&map, points, elapsed, &devices));
+    if let Some(audit) = audit {
+        print!("{}", report::audit(&audit));
+    }
+    for file in files.iter().chain([&outputs.store()]) {
+        println!("wrote {}", file.display());
+    }
+    Ok(())
+}
+
+/// Computes what the store lacks, tile by tile; returns how many points that were, and on what.
+fn compute(experiment: &Experiment, choice: Choice, store: &MapStore) -> Result<(usize, Vec<String>), Failure> {
+    let mut backends = choice.backends;
+    let columns = experiment.grid.axes[0].count;
+    let settings = &experiment.settings;
+    let progress = Progress::new(
+        sweep::instance_periods(settings, experiment.grid.len()),
+        experiment.grid.len(),
+    );
+    let mut devices = vec![backends.active().device()];
+    let mut computed = 0;
+    for (done, tile) in store.tiles().enumerate() {
+        if store.is_finished(&tile).map_err(Failure::run)? {
+            progress.skip(sweep::instance_periods(settings, tile.len()));
+            continue;
+        }
+        let kept = |reason: &str| {
+            format!(
+                "{reason}; {done} of {} tiles are finished and kept in {path}: the same command goes on from there, \
+                 `tribochaos render {path}` draws them",
+                store.tiles().count(),
+                path = store.path().display()
+            )
+        };
+        let indices: Vec<usize> = tile.indices(columns).collect();
+        let measurements = backends
+            .measure(&experiment.grid, settings, &indices, &mut |event| progress.hear(event))
+            .map_err(|error| match Failure::backend(error) {
+                Failure::Run(error) => Failure::Run(anyhow!(kept(&format!("{error:#}")))),
+                other => other,
+            })?
+            .ok_or_else(|| Failure::Interrupted(kept("stopped by Ctrl-C")))?;
+        store.write_tile(&tile, &measurements).map_err(Failure::run)?;
+        computed += tile.len();
+        let device = backends.active().device();
+        if !devices.contains(&device) {
+            devices.push(device);
+        }
+    }
+    Ok((computed, devices))
+}
+
+/// Audits the map as the settings ask, and stores what came out.
+fn audit_map(
+    map: &tribochaos::map::ParameterMap,
+    experiment: &Experiment,
+    store: &mut MapStore,
+) -> Result<Option<Audit>, Failure> {
+    let points = experiment
+        .settings
+        .audit
+        .unwrap_or(if map.has_gpu_points() { DEFAULT_AUDIT } else { 0 });
+    if points == 0 {
+        return Ok(None);
+    }
+    let interrupted = || {
+        Failure::Interrupted(format!(
+            "the map is finished, its audit is not: {}",
+            store.path().display()
+        ))
+    };
+    let audit = audit::audit(map, points as usize, &mut |_| progress::until_interrupted())
+        .map_err(Failure::backend)?
+        .ok_or_else(interrupted)?;
+    let value = serde_json::to_value(&audit).map_err(Failure::run)?;
+    store.set_attribute("audit", value).map_err(Failure::run)?;
+    Ok(Some(audit))
+}
+
+fn dry_run(experiment: &Experiment, mut choice: Choice, outputs: &outputs::Outputs) -> Result<(), Failure> {
+    let seconds = estimate::seconds(choice.backends.active_mut(), experiment).map_err(Failure::backend)?;
+    println!("{}\n{}", report::plan(experiment), report::device(&choice));
+    println!("about {}", report::duration(Duration::from_secs_f64(seconds)));
+    println!("would write {}", outputs.store().display());
+    Ok(())
+}

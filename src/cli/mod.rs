@@ -1,0 +1,92 @@
+//! The command line: strings to requests, results to people.
+//!
+//! Owns everything that is typed or printed; computes nothing itself.
+
+mod devices;
+mod map;
+mod outputs;
+mod point;
+mod progress;
+mod render;
+mod report;
+mod request;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use tribochaos::backend::BackendError;
+
+/// Chaos-threshold maps of a rubbing oscillator (Awrejcewicz and Pyryev 2006): Lyapunov exponents and periods over a
+/// plane of parameters, on a GPU or the CPU.
+#[derive(Parser)]
+#[command(version, max_term_width = 110)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Compute the maximal Lyapunov exponent, the period and the threshold of chaos over two parameters
+    Map(map::MapArgs),
+    /// Compute everything about one point
+    Point(point::PointArgs),
+    /// Draw pictures again from a store, without computing
+    Render(render::RenderArgs),
+    /// Tell which GPU adapters and CPU instructions there are, and which one `auto` picks
+    Devices(devices::DevicesArgs),
+}
+
+/// Why a command did not end well; decides the exit code.
+#[derive(Debug)]
+enum Failure {
+    /// What was asked for cannot be done: exit code 2, before any long work.
+    Input(anyhow::Error),
+    /// Something broke on the way: exit code 1.
+    Run(anyhow::Error),
+    /// Ctrl-C: exit code 130.
+    Interrupted(String),
+}
+
+impl Failure {
+    fn input(error: impl Into<anyhow::Error>) -> Self {
+        Self::Input(error.into())
+    }
+
+    /// What a backend cannot do is the request's fault, all else the machine's.
+    fn backend(error: BackendError) -> Self {
+        if matches!(error, BackendError::Unsupported(_)) {
+            Self::Input(error.into())
+        } else {
+            Self::Run(error.into())
+        }
+    }
+
+    fn run(error: impl Into<anyhow::Error>) -> Self {
+        Self::Run(error.into())
+    }
+}
+
+pub fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Map(args) => map::run(&args),
+        Command::Point(args) => point::run(&args),
+        Command::Render(args) => render::run(&args),
+        Command::Devices(args) => devices::run(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Input(error)) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+        Err(Failure::Run(error)) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(1)
+        }
+        Err(Failure::Interrupted(message)) => {
+            eprintln!("interrupted: {message}");
+            ExitCode::from(130)
+        }
+    }
+}

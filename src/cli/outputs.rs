@@ -1,0 +1,152 @@
+//! The files of a map: their names, whether they may be written, and the pictures.
+//!
+//! Owns the rule that results of another experiment are not overwritten; the formats are the library's.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, anyhow, bail};
+use tribochaos::experiment::Experiment;
+use tribochaos::map::ParameterMap;
+use tribochaos::measurement::Quantity;
+use tribochaos::output::picture::{self, Style};
+use tribochaos::output::store::{self, MapStore};
+use tribochaos::output::{PROGRAM, csv, png};
+
+/// The path that all output names begin with.
+pub struct Outputs {
+    name: PathBuf,
+}
+
+impl Outputs {
+    pub fn new(name: &Path) -> Self {
+        Self { name: name.to_owned() }
+    }
+
+    fn path(&self, suffix: &str) -> PathBuf {
+        let mut path = self.name.clone().into_os_string();
+        path.push(suffix);
+        path.into()
+    }
+
+    pub fn store(&self) -> PathBuf {
+        self.path(".zarr")
+    }
+
+    pub fn picture(&self, quantity: Quantity) -> PathBuf {
+        self.path(&format!("-{}.png", quantity.info().name))
+    }
+
+    pub fn threshold(&self) -> PathBuf {
+        self.path("-threshold.csv")
+    }
+
+    /// Opens the store before a run: that of the same experiment, to go on with it, or a new one.
+    ///
+    /// # Errors
+    /// If the pictures would be too large, the results of another experiment are in the way and `force` is not given,
+    /// the place cannot be written, or the disk is too small.
+    pub fn open(&self, experiment: &Experiment, tile: [usize; 2], force: bool) -> anyhow::Result<MapStore> {
+        if self.name.file_name().is_none() {
+            bail!(
+                "`{}` names no file: give --out a name such as outputs/map",
+                self.name.display()
+            );
+        }
+        picture::check_size(experiment, &Style::default())?;
+        let path = self.store();
+        if path.exists() {
+            if !force && let Some(store) = self.resumable(experiment)? {
+                return Ok(store);
+            }
+            self.remove_store()?;
+        } else if !force {
+            self.check_pictures(experiment)?;
+        }
+        let size = store::size_bytes(experiment, tile);
+        let free = store::free_space(&path).with_context(|| format!("cannot write {}", path.display()))?;
+        if size > free {
+            bail!(
+                "the store {} would take {:.1} GB, and the disk has {:.1} GB free: use fewer points or another disk",
+                path.display(),
+                size as f64 / 1e9,
+                free as f64 / 1e9
+            );
+        }
+        Ok(MapStore::create(&path, experiment, tile)?)
+    }
+
+    fn resumable(&self, experiment: &Experiment) -> anyhow::Result<Option<MapStore>> {
+        let path = self.store();
+        let store = MapStore::open(&path).context("--force replaces it, --out names another place")?;
+        if store.experiment() != experiment {
+            bail!(
+                "{} holds the results of another experiment: give another --out, or --force to replace them",
+                path.display()
+            );
+        }
+        if store.attribute("program").and_then(|program| program.as_str()) != Some(PROGRAM) {
+            bail!(
+                "{} was computed by another version of the program: give another --out, or --force to replace it",
+                path.display()
+            );
+        }
+        Ok(Some(store))
+    }
+
+    /// Removes the store, if it is one.
+    fn remove_store(&self) -> anyhow::Result<()> {
+        let path = self.store();
+        if !path.join("zarr.json").is_file() {
+            bail!(
+                "{} is no store of a map: it is not replaced, move it away",
+                path.display()
+            );
+        }
+        fs::remove_dir_all(&path).with_context(|| format!("cannot replace {}", path.display()))
+    }
+
+    /// Pictures without a store are in the way unless they show the same experiment.
+    fn check_pictures(&self, experiment: &Experiment) -> anyhow::Result<()> {
+        for quantity in [Quantity::Lyapunov, Quantity::Period] {
+            let path = self.picture(quantity);
+            if path.exists() && png::read_experiment(&path).ok() != Some(experiment.to_toml()) {
+                bail!(
+                    "{} shows another experiment: give another --out, or --force to replace it",
+                    path.display()
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// Draws the exponent's and the period's picture and writes the threshold; returns the files.
+    pub fn draw(&self, map: &ParameterMap, style: &Style) -> anyhow::Result<Vec<PathBuf>> {
+        let mut files = vec![self.draw_quantity(map, Quantity::Lyapunov, style)?];
+        // limits are those of the exponent
+        let period_style = Style {
+            limits: None,
+            ..style.clone()
+        };
+        files.push(self.draw_quantity(map, Quantity::Period, &period_style)?);
+        csv::write_threshold(&self.threshold(), map)?;
+        files.push(self.threshold());
+        Ok(files)
+    }
+
+    pub fn draw_quantity(&self, map: &ParameterMap, quantity: Quantity, style: &Style) -> anyhow::Result<PathBuf> {
+        let path = self.picture(quantity);
+        let figure = picture::quantity_picture(map, quantity, style)?;
+        let title = format!("{} of the bush-shaft system", quantity.info().label);
+        png::write_png(&path, &figure, &map.experiment.to_toml(), &[("Title", &title)])?;
+        Ok(path)
+    }
+}
+
+/// `outputs/map` of `outputs/map.zarr`.
+pub fn name_of_store(store: &Path) -> anyhow::Result<PathBuf> {
+    match store.extension() {
+        Some(extension) if extension == "zarr" => Ok(store.with_extension("")),
+        _ => Err(anyhow!("{} is no store: its name should end in .zarr", store.display())),
+    }
+}

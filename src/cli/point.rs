@@ -1,0 +1,126 @@
+//! `point`: everything about one point.
+
+use clap::Args;
+use serde_json::{Map, Value, json};
+use tribochaos::dynamics::spectrum::lyapunov_spectrum;
+use tribochaos::experiment::{BackendChoice, Experiment, Request};
+use tribochaos::measurement::{Measurement, Status};
+use tribochaos::sweep::choice;
+
+use super::request::{self, ExperimentArgs};
+use super::{Failure, progress};
+
+/// One point is integrated on the CPU unless a GPU is asked for, since it would not fill one.
+#[derive(Args)]
+#[command(after_help = request::help())]
+pub struct PointArgs {
+    #[command(flatten)]
+    experiment: ExperimentArgs,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &PointArgs) -> Result<(), Failure> {
+    let mut request = Request::default();
+    args.experiment.apply(&mut request);
+    if request.settings.backend == BackendChoice::Auto {
+        request.settings.backend = BackendChoice::Cpu;
+    }
+    let experiment = request.resolve_point().map_err(Failure::input)?;
+    for warning in experiment.warnings() {
+        eprintln!("warning: {warning}");
+    }
+    let mut backends = choice::choose(&experiment).map_err(Failure::backend)?.backends;
+    progress::catch_interrupt();
+    let measured = backends
+        .measure(&experiment.grid, &experiment.settings, &[0], &mut |_| {
+            progress::until_interrupted()
+        })
+        .map_err(Failure::backend)?
+        .ok_or_else(|| Failure::Interrupted("nothing was measured".into()))?;
+    let spectrum = lyapunov_spectrum(&experiment.grid.point(0), &experiment.settings);
+    if args.json {
+        println!("{:#}", object(&experiment, &measured[0], spectrum));
+    } else {
+        print(&experiment, &measured[0], spectrum);
+    }
+    Ok(())
+}
+
+fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) -> Value {
+    let parameters: Map<String, Value> = experiment
+        .fixed_parameters()
+        .map(|(parameter, value)| (parameter.name().to_owned(), value.into()))
+        .collect();
+    let mut object = json!({
+        "parameters": parameters,
+        "settings": experiment.settings,
+        "backend": m.backend.device_class(),
+        "precision": m.backend.precision(),
+        "status": m.status.name(),
+        "class": m.class,
+        "lyapunov": m.lyapunov,
+        "lyapunov_error": m.lyapunov_error,
+        "lyapunov_second": m.lyapunov_second,
+        "divergence": m.divergence,
+        "spectrum": spectrum,
+        "period": m.period,
+        "x": m.x,
+        "y": m.y,
+        "x_min": m.x_min,
+        "x_max": m.x_max,
+    });
+    if let Status::Runaway { time } = m.status {
+        object["runaway_time"] = time.into();
+    }
+    if experiment.settings.initial_states > 1 {
+        object["chaotic_fraction"] = m.chaotic_fraction.into();
+        object["attractors"] = m.attractors.into();
+    }
+    object
+}
+
+fn print(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) {
+    for (parameter, value) in experiment.fixed_parameters() {
+        print!("{parameter} = {value}  ");
+    }
+    println!("\n");
+    if let Status::Runaway { time } = m.status {
+        println!("ran away at tau = {time:.3}");
+        return;
+    }
+    let settings = &experiment.settings;
+    println!(
+        "class               {}",
+        m.class.map_or("-", tribochaos::measurement::Class::name)
+    );
+    println!("maximal exponent    {:.6} +- {:.6}", m.lyapunov, m.lyapunov_error);
+    println!("second exponent     {:.6}", m.lyapunov_second);
+    println!(
+        "mean divergence     {:.6}  (sum of the exponents less this: {:.1e})",
+        m.divergence,
+        m.divergence_defect()
+    );
+    if let Some([first, second, third]) = spectrum {
+        println!("spectrum (3.6)      {first:.6} {second:.6} {third:.6}");
+    }
+    println!(
+        "period              {}",
+        m.period.map_or("none found".to_owned(), |period| period.to_string())
+    );
+    println!("x, y                {:.9} {:.9}  (last stroboscopic state)", m.x, m.y);
+    println!("extremes of x       {:.6} {:.6}", m.x_min, m.x_max);
+    if settings.initial_states > 1 {
+        println!(
+            "chaotic fraction    {} of {} initial states",
+            m.chaotic_fraction, settings.initial_states
+        );
+        println!("attractors          {}", m.attractors);
+    }
+    println!(
+        "integrated on       {}, {}",
+        m.backend.device_class(),
+        m.backend.precision()
+    );
+}

@@ -1,0 +1,74 @@
+//! `render`: pictures from a store, without computing.
+
+use std::path::PathBuf;
+
+use anyhow::anyhow;
+use clap::Args;
+use tribochaos::measurement::Quantity;
+use tribochaos::output::colour::ColourScale;
+use tribochaos::output::picture::Style;
+use tribochaos::output::store::MapStore;
+
+use super::outputs::{self, Outputs};
+use super::{Failure, request};
+
+#[derive(Args)]
+pub struct RenderArgs {
+    /// The store, NAME.zarr
+    store: PathBuf,
+    /// What all output names begin with [default: NAME]
+    #[arg(long, value_name = "NAME")]
+    out: Option<PathBuf>,
+    /// Quantity to draw; may be repeated [default: lyapunov, period and the threshold's CSV]
+    #[arg(long, value_name = "NAME", value_parser = request::named::<Quantity>)]
+    quantity: Vec<Quantity>,
+    /// Ends of the colour scale [default: from the data]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = request::range, allow_hyphen_values = true)]
+    limits: Option<[f64; 2]>,
+    /// Colours: blue-red or purple-green [default: blue-red]
+    #[arg(long, value_name = "NAME", value_parser = colours)]
+    colours: Option<ColourScale>,
+    /// Leave out the threshold curve
+    #[arg(long)]
+    no_threshold: bool,
+}
+
+fn colours(name: &str) -> Result<ColourScale, String> {
+    ColourScale::from_name(name).ok_or_else(|| {
+        let known = ColourScale::ALL.map(ColourScale::name).join(", ");
+        format!("unknown colours `{name}`: there are {known}")
+    })
+}
+
+pub fn run(args: &RenderArgs) -> Result<(), Failure> {
+    let name = outputs::name_of_store(&args.store).map_err(Failure::Input)?;
+    let map = MapStore::open(&args.store)
+        .and_then(|store| store.read_map())
+        .map_err(Failure::input)?;
+    let outputs = Outputs::new(args.out.as_deref().unwrap_or(&name));
+    let mut style = Style {
+        threshold: !args.no_threshold,
+        ..Style::default()
+    };
+    if let Some([low, high]) = args.limits {
+        if !(low < high && low.is_finite() && high.is_finite()) {
+            return Err(Failure::Input(anyhow!(
+                "the limits {low}:{high} are no range: give the lower one first"
+            )));
+        }
+        style.limits = Some((low, high));
+    }
+    style.colours = args.colours.unwrap_or(style.colours);
+    let files = if args.quantity.is_empty() {
+        outputs.draw(&map, &style)
+    } else {
+        args.quantity
+            .iter()
+            .map(|&quantity| outputs.draw_quantity(&map, quantity, &style))
+            .collect()
+    };
+    for file in files.map_err(Failure::Input)? {
+        println!("wrote {}", file.display());
+    }
+    Ok(())
+}

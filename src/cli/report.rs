@@ -1,0 +1,134 @@
+//! What is printed about a map: before, after, and of its audit.
+
+use std::fmt::Write as _;
+use std::time::Duration;
+
+use tribochaos::experiment::{Experiment, Scheme};
+use tribochaos::map::{OnsetKind, ParameterMap, threshold};
+use tribochaos::measurement::{Class, Quantity};
+use tribochaos::sweep::audit::Audit;
+use tribochaos::sweep::choice::Choice;
+
+/// What an experiment computes.
+pub fn plan(experiment: &Experiment) -> String {
+    let settings = &experiment.settings;
+    let mut plan = String::from("map");
+    for (place, axis) in ["over", "by"].iter().zip(&experiment.grid.axes) {
+        let _ = write!(
+            plan,
+            " {place} {} = {}..{} ({})",
+            axis.parameter, axis.start, axis.stop, axis.count
+        );
+    }
+    let Scheme::Rk4 = settings.scheme;
+    let _ = write!(
+        plan,
+        ": {} points{}, {} + {} periods of {} rk4 steps",
+        experiment.grid.len(),
+        if settings.initial_states > 1 {
+            format!(" x {} initial states", settings.initial_states)
+        } else {
+            String::new()
+        },
+        settings.transient_periods,
+        settings.periods,
+        settings.steps_per_period
+    );
+    plan
+}
+
+pub fn device(choice: &Choice) -> String {
+    format!("on {} ({})", choice.backends.active().device(), choice.reason)
+}
+
+/// A duration as people say it.
+pub fn duration(duration: Duration) -> String {
+    let seconds = duration.as_secs_f64();
+    match seconds {
+        s if s < 10.0 => format!("{s:.1} s"),
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+/// What a map came out as; `computed` points were computed in `elapsed` on `devices`.
+pub fn summary(map: &ParameterMap, computed: usize, elapsed: Duration, devices: &[String]) -> String {
+    let mut text = String::new();
+    let settings = &map.experiment.settings;
+    let points = map.experiment.grid.len();
+    if computed == 0 {
+        let _ = writeln!(
+            text,
+            "all {points} points were in the store already; --force computes them again"
+        );
+    } else {
+        let steps = computed as f64
+            * f64::from(settings.initial_states)
+            * f64::from(settings.steps_per_period)
+            * f64::from(settings.transient_periods + settings.periods);
+        let rate = steps / elapsed.as_secs_f64();
+        let took = duration(elapsed);
+        let devices = devices.join(", then ");
+        let _ = writeln!(
+            text,
+            "{computed} points in {took}: {rate:.2e} instance-steps/s on {devices}"
+        );
+    }
+    let share = |count: usize| format!("{count} ({:.1} %)", 100.0 * count as f64 / points as f64);
+    let classes = Class::ALL.map(|class| {
+        let count = (0..points).filter(|&index| map.class(index) == Some(class)).count();
+        format!("{} {}", class.name(), share(count))
+    });
+    let runaways = (0..points).filter(|&index| map.is_runaway(index)).count();
+    let computed = (0..points).filter(|&index| map.is_computed(index)).count();
+    let _ = writeln!(text, "class:  {}", classes.join(", "));
+    let _ = writeln!(
+        text,
+        "status: ok {}, runaway {}",
+        share(computed - runaways),
+        share(runaways)
+    );
+    let column = |quantity| map.column(quantity).iter();
+    let defect = column(Quantity::Lyapunov)
+        .zip(column(Quantity::LyapunovSecond))
+        .zip(column(Quantity::Divergence))
+        .map(|((first, second), divergence)| (first + second - divergence).abs())
+        .fold(0.0, f64::max);
+    let _ = writeln!(
+        text,
+        "check:  sum of the exponents = mean divergence to {defect:.1e} at every point"
+    );
+    let onsets = threshold(map);
+    let count = |matches: fn(&OnsetKind) -> bool| onsets.iter().filter(|onset| matches(&onset.kind)).count();
+    let _ = writeln!(
+        text,
+        "onset:  in {} rows of {}; {} rows without chaos, {} chaotic from their first point",
+        count(|kind| matches!(kind, OnsetKind::At { .. })),
+        onsets.len(),
+        count(|kind| matches!(kind, OnsetKind::Never)),
+        count(|kind| matches!(kind, OnsetKind::BeforeFirst)),
+    );
+    text
+}
+
+pub fn audit(audit: &Audit) -> String {
+    let mut text = format!(
+        "audit:  {} points again on the CPU in f64: {} of the same class, {} with the same exponent within its error\n",
+        audit.points(),
+        audit.same_class(),
+        audit.same_exponent()
+    );
+    for row in &audit.classes {
+        let _ = writeln!(
+            text,
+            "        {:<14} {:>3} points, same class {:>3}, same exponent {:>3}, largest difference {:.1e}",
+            row.class.name(),
+            row.points,
+            row.same_class,
+            row.same_exponent,
+            row.largest_difference
+        );
+    }
+    text
+}

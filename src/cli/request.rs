@@ -1,0 +1,145 @@
+//! Options that describe an experiment, shared by the commands that compute.
+//!
+//! Owns the passage from strings to a [`Request`]; what a request means is the library's.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use anyhow::Context;
+use clap::Args;
+use serde::Deserialize;
+use serde::de::IntoDeserializer;
+use serde::de::value::{Error as ValueError, StrDeserializer};
+use tribochaos::experiment::{BackendChoice, Precision, Request, Scheme};
+use tribochaos::grid::Axis;
+use tribochaos::parameters::{PARAMETERS, Parameter};
+
+/// Numerical settings and fixed parameters; what is left out keeps the file's value, or the default.
+#[derive(Args)]
+pub struct ExperimentArgs {
+    /// Value of a parameter that is no axis; may be repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    pub set: Vec<(Parameter, f64)>,
+    /// Stepping scheme: rk4, the paper's fixed step [default: rk4]
+    #[arg(long, help_heading = "Numerical settings", value_parser = named::<Scheme>)]
+    pub scheme: Option<Scheme>,
+    /// Steps in a forcing period [default: 628]
+    #[arg(long, help_heading = "Numerical settings", value_name = "STEPS")]
+    pub steps_per_period: Option<u32>,
+    /// Forcing periods before the measurement [default: 300]
+    #[arg(long, help_heading = "Numerical settings", value_name = "PERIODS")]
+    pub transient_periods: Option<u32>,
+    /// Last periods of the transient, in which the tangent vectors turn to their directions [default: 50]
+    #[arg(long, help_heading = "Numerical settings", value_name = "PERIODS")]
+    pub align_periods: Option<u32>,
+    /// Measured forcing periods [default: 300]
+    #[arg(long, help_heading = "Numerical settings", value_name = "PERIODS")]
+    pub periods: Option<u32>,
+    /// Steps between renormalisations of the tangent vectors, besides one at each period's end [default: 157]
+    #[arg(long, help_heading = "Numerical settings", value_name = "STEPS")]
+    pub renormalise_every: Option<u32>,
+    /// Stroboscopic states are the same where x and y differ by less [default: 1e-4]
+    #[arg(long, help_heading = "Numerical settings", value_name = "DISTANCE")]
+    pub period_tolerance: Option<f64>,
+    /// Initial states for each point: (x0, y0), and others from the initial box [default: 1]
+    #[arg(long, help_heading = "Numerical settings", value_name = "N")]
+    pub initial_states: Option<u32>,
+    /// Box of the other initial states, as X_MIN:X_MAX,Y_MIN:Y_MAX [default: -2:2,-2:2]
+    #[arg(long, help_heading = "Numerical settings", value_name = "BOX", value_parser = initial_box, allow_hyphen_values = true)]
+    pub initial_box: Option<tribochaos::experiment::InitialBox>,
+    /// Seed of the other initial states, which are the same at every point [default: 1]
+    #[arg(long, help_heading = "Numerical settings")]
+    pub seed: Option<u32>,
+    /// Where to integrate: auto takes a hardware GPU if there is one, else the CPU [default: auto]
+    #[arg(long, help_heading = "Devices", value_name = "auto|gpu|cpu", value_parser = named::<BackendChoice>)]
+    pub backend: Option<BackendChoice>,
+    /// Number type [default: f64 on the CPU; a GPU has only f32]
+    #[arg(long, help_heading = "Devices", value_name = "f32|f64", value_parser = named::<Precision>)]
+    pub precision: Option<Precision>,
+    /// Part of the name of the GPU adapter to use; `tribochaos devices` lists them
+    #[arg(long, help_heading = "Devices", value_name = "NAME")]
+    pub adapter: Option<String>,
+}
+
+impl ExperimentArgs {
+    /// Puts what was typed over `request`.
+    pub fn apply(&self, request: &mut Request) {
+        for &(parameter, value) in &self.set {
+            request.set.insert(parameter.name().to_owned(), value);
+        }
+        let settings = &mut request.settings;
+        macro_rules! apply {
+            ($($field:ident)*) => { $(if let Some(value) = self.$field { settings.$field = value; })* };
+        }
+        apply!(scheme steps_per_period transient_periods align_periods periods renormalise_every period_tolerance
+               initial_states initial_box seed backend);
+        settings.precision = self.precision.or(settings.precision);
+        settings.adapter = self.adapter.clone().or(settings.adapter.take());
+    }
+}
+
+/// Reads a request file.
+pub fn read(path: &Path) -> anyhow::Result<Request> {
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    Request::from_toml(&text).with_context(|| format!("in {}", path.display()))
+}
+
+pub fn axis(text: &str) -> Result<Axis, String> {
+    Axis::parse(text).map_err(|error| error.to_string())
+}
+
+/// Two numbers, LOW:HIGH.
+pub fn range(text: &str) -> Result<[f64; 2], String> {
+    let malformed = || format!("`{text}` is no range: write LOW:HIGH, for example -0.5:0.5");
+    let (low, high) = text.split_once(':').ok_or_else(malformed)?;
+    let number = |text: &str| text.trim().parse().map_err(|_| malformed());
+    Ok([number(low)?, number(high)?])
+}
+
+fn initial_box(text: &str) -> Result<tribochaos::experiment::InitialBox, String> {
+    let (x, y) = text
+        .split_once(',')
+        .ok_or("write X_MIN:X_MAX,Y_MIN:Y_MAX, for example -2:2,-2:2")?;
+    Ok(tribochaos::experiment::InitialBox {
+        x: range(x)?,
+        y: range(y)?,
+    })
+}
+
+fn assignment(text: &str) -> Result<(Parameter, f64), String> {
+    let malformed = || format!("`{text}` sets nothing: write NAME=VALUE, for example h1=0.5");
+    let (name, value) = text.split_once('=').ok_or_else(malformed)?;
+    let parameter = Parameter::from_name(name.trim()).map_err(|error| error.to_string())?;
+    let value = value.trim().parse().map_err(|_| malformed())?;
+    parameter.check(value).map_err(|error| error.to_string())?;
+    Ok((parameter, value))
+}
+
+/// A value by its name in files.
+pub fn named<T: for<'de> Deserialize<'de>>(text: &str) -> Result<T, String> {
+    let deserializer: StrDeserializer<'_, ValueError> = text.into_deserializer();
+    T::deserialize(deserializer).map_err(|error| error.to_string())
+}
+
+/// The table of parameters and the definition of the classes, for the end of a command's help.
+pub fn help() -> String {
+    let mut help = String::from("Parameters (dimensionless; any of them can be an axis or be set):\n");
+    for info in PARAMETERS {
+        let (min, max) = info.range;
+        let range = format!("{min}..{max}");
+        let _ = writeln!(
+            help,
+            "  {:<10} {:<3} default {:<5} range {:<14} {} {}",
+            info.name, info.symbol, info.default, range, info.meaning, info.source
+        );
+    }
+    help.push_str(
+        "\nClasses, by the maximal exponent L (the larger non-trivial one) and its standard error S:\n  \
+         chaotic         L - 3 S > 0\n  \
+         regular         L + 3 S < 0, or settled on a cycle of period 1 to 32 over the last 64 periods\n  \
+         quasi-periodic  no such period, and |L| < 1e-3 by a weighted Birkhoff average\n  \
+         undecided       all else\n\
+         A run away to |x| + |y| >= 1e4 has a status of its own and no class.\n",
+    );
+    help
+}

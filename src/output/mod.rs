@@ -1,0 +1,55 @@
+//! The output layer: maps as Zarr stores, pictures and tables.
+//!
+//! Owns every file format; computes nothing but what a drawing needs, and draws only from a
+//! [`ParameterMap`](crate::map::ParameterMap).
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+mod caption;
+pub mod colour;
+mod colour_bar;
+pub mod csv;
+pub mod figure;
+pub mod picture;
+mod plot;
+pub mod png;
+mod raster;
+#[cfg(test)]
+mod samples;
+pub mod store;
+mod svg;
+mod text;
+mod ticks;
+
+/// The program and its version, as outputs name it.
+pub const PROGRAM: &str = concat!("tribochaos ", env!("CARGO_PKG_VERSION"));
+
+/// Writes a file so that readers see it whole or not at all: beside its place first, then renamed. Creates the folders
+/// that lead to it.
+fn write_whole(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
+    let name = path
+        .file_name()
+        .ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "the path names no file"))?;
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        fs::create_dir_all(folder)?;
+    }
+    // The process id keeps two programs that write the same file apart.
+    let mut hidden = std::ffi::OsString::from(".");
+    hidden.push(name);
+    hidden.push(format!(".{}.part", std::process::id()));
+    let part = path.with_file_name(hidden);
+    let written = File::create(&part).and_then(|file| {
+        let mut file = BufWriter::new(file);
+        write(&mut file)?;
+        file.flush()?;
+        file.get_ref().sync_all()?;
+        fs::rename(&part, path)
+    });
+    if written.is_err() {
+        // Best effort: the error that is reported is the one that came first.
+        let _ = fs::remove_file(&part);
+    }
+    written
+}

@@ -1,0 +1,373 @@
+//! The plot of a map: places raster, axes, colour bar, legend and caption on a page.
+//!
+//! Owns positions and sizes; does not choose colours, limits or words.
+
+use std::fmt::Write as _;
+
+use super::colour::Rgb;
+use super::colour_bar::Bar;
+use super::figure::{Figure, FigureError};
+use super::raster;
+use super::svg::{hatch, hex, line, upright, words};
+use super::text::{self, widest, width, wrap};
+use super::ticks::{Tick, ticks};
+use crate::grid::Axis;
+use crate::map::ParameterMap;
+
+/// What a point of the map shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cell {
+    NotComputed,
+    /// A value on the colour bar.
+    Value(f64),
+    /// An index into the plot's kinds.
+    Kind(usize),
+}
+
+/// A colour with a name.
+#[derive(Clone, Debug)]
+pub struct Kind {
+    pub colour: Rgb,
+    pub name: String,
+}
+
+impl Kind {
+    pub fn new(colour: Rgb, name: &str) -> Self {
+        Self {
+            colour,
+            name: name.to_owned(),
+        }
+    }
+}
+
+/// The content of a plot.
+pub struct Plot {
+    pub x: Axis,
+    pub y: Axis,
+    /// In the order of the map.
+    pub cells: Vec<Cell>,
+    pub kinds: Vec<Kind>,
+    /// Stands before the legend.
+    pub heading: String,
+    pub bar: Option<Bar>,
+    /// The x of the threshold in each row; empty if it is not to be drawn.
+    pub curve: Vec<Option<f64>>,
+}
+
+/// The most points along an axis, and pixels of the map: a picture of 128 million pixels takes half a gigabyte to draw.
+const MAX_POINTS: usize = 16_384;
+const MAX_PIXELS: u64 = 128_000_000;
+
+/// Strokes of the threshold from row to row are left out where they span more than this part of the axis, or this many
+/// times the height of a row: long ones suggest onsets where there are none, and where the onset jumps to and fro, flat
+/// ones fill an area with black.
+const MAX_JUMP: f64 = 0.03;
+const MAX_JUMP_ROWS: f64 = 8.0;
+
+/// Pixels that a point takes along either axis, so that the map is about `size` large; at least 1.
+pub fn cell_size(columns: usize, rows: usize, size: [u32; 2]) -> Result<[u32; 2], FigureError> {
+    let cell = |count: usize, size: u32| ((f64::from(size) / count as f64).round() as u32).max(1);
+    let [across, up] = [cell(columns, size[0]), cell(rows, size[1])];
+    let pixels = columns as u64 * u64::from(across) * rows as u64 * u64::from(up);
+    if columns.max(rows) > MAX_POINTS || pixels > MAX_PIXELS {
+        return Err(FigureError::TooLarge {
+            columns,
+            rows,
+            most: MAX_POINTS,
+            most_pixels: MAX_PIXELS,
+        });
+    }
+    Ok([across, up])
+}
+
+/// Sizes and places in pixels.
+pub struct Layout {
+    pub cell: [f64; 2],
+    /// The map's left, top, width and height.
+    pub left: f64,
+    pub top: f64,
+    pub width: f64,
+    pub height: f64,
+    /// Everything is enlarged by this in large pictures, so that they can be read when scaled down.
+    pub unit: f64,
+}
+
+impl Layout {
+    pub fn tick_size(&self) -> f64 {
+        15.0 * self.unit
+    }
+    pub fn label_size(&self) -> f64 {
+        17.0 * self.unit
+    }
+    fn caption_size(&self) -> f64 {
+        14.0 * self.unit
+    }
+    fn margin(&self) -> f64 {
+        16.0 * self.unit
+    }
+}
+
+impl Plot {
+    /// An empty plot with the axes of a map.
+    pub fn of(map: &ParameterMap) -> Self {
+        Self {
+            x: *map.x_axis(),
+            y: *map.y_axis(),
+            cells: Vec::new(),
+            kinds: Vec::new(),
+            heading: String::new(),
+            bar: None,
+            curve: Vec::new(),
+        }
+    }
+
+    /// Draws the plot above the paragraphs of its caption.
+    pub fn draw(&self, size: [u32; 2], caption: &[String]) -> Result<Figure, FigureError> {
+        let cell = cell_size(self.x.count, self.y.count, size)?.map(f64::from);
+        let (plot_width, plot_height) = (cell[0] * self.x.count as f64, cell[1] * self.y.count as f64);
+        let unit = (plot_width / 960.0).min(plot_height / 640.0).clamp(1.0, 8.0);
+        let mut layout = Layout {
+            cell,
+            left: 0.0,
+            top: 0.0,
+            width: plot_width,
+            height: plot_height,
+            unit,
+        };
+
+        let x_room = |widest: f64| (widest + 20.0 * unit).max(95.0 * unit);
+        let x_ticks = self.axis_ticks(&self.x, plot_width, x_room, layout.tick_size());
+        let y_ticks = self.axis_ticks(&self.y, plot_height, |_| 60.0 * unit, layout.tick_size());
+        let y_label = wrap(&axis_label(&self.y), layout.label_size(), plot_height);
+        let y_tick_width = widest(y_ticks.iter().map(|tick| tick.label.as_str()), layout.tick_size());
+        let label_line = 1.35 * layout.label_size();
+        layout.left = (layout.margin() + y_label.len() as f64 * label_line + y_tick_width + 14.0 * unit).ceil();
+        layout.top = (layout.margin() + 12.0 * unit).ceil();
+
+        let mut svg = String::new();
+        self.draw_map(&mut svg, &layout)?;
+        let bottom = self.draw_axes(&mut svg, &layout, &x_ticks, &y_ticks, &y_label);
+        let right = match &self.bar {
+            Some(bar) => bar.draw(&mut svg, &layout),
+            None => layout.left + layout.width + 24.0 * unit,
+        };
+        let page_width = (right + layout.margin()).ceil();
+        let mut y = self.draw_legend(&mut svg, &layout, bottom, page_width);
+        y += 8.0 * unit;
+        for paragraph in caption {
+            for line in wrap(paragraph, layout.caption_size(), page_width - 2.0 * layout.margin()) {
+                y += 1.4 * layout.caption_size();
+                words(&mut svg, &line, layout.margin(), y, layout.caption_size(), "start");
+            }
+        }
+        let (page_width, page_height) = (page_width as u32, (y + layout.margin()).ceil() as u32);
+        let background = format!("<rect width=\"{page_width}\" height=\"{page_height}\" fill=\"#ffffff\"/>\n");
+        let svg = text::document(page_width, page_height, &(background + &svg));
+        Ok(Figure {
+            svg,
+            width: page_width,
+            height: page_height,
+        })
+    }
+
+    /// Ticks within the values of the axis, not within the half cells beyond: there the map says nothing. `room` is the
+    /// least distance between ticks, given the width of the widest label; `length` is that of the whole map.
+    fn axis_ticks(&self, axis: &Axis, length: f64, room: impl Fn(f64) -> f64, size: f64) -> Vec<Tick> {
+        let (low, high) = (axis.start.min(axis.stop), axis.start.max(axis.stop));
+        let length = length * (axis.count - 1) as f64 / axis.count as f64;
+        let most = (length / room(0.0)) as usize;
+        let fits = |ticks: &Vec<Tick>| {
+            let widest = widest(ticks.iter().map(|tick| tick.label.as_str()), size);
+            ticks.len() as f64 * room(widest) <= length + room(widest)
+        };
+        (1..=most)
+            .rev()
+            .map(|most| ticks(low, high, most))
+            .find(fits)
+            .unwrap_or_else(|| ticks(low, high, 1))
+    }
+
+    fn draw_map(&self, svg: &mut String, layout: &Layout) -> Result<(), FigureError> {
+        let Layout {
+            left,
+            top,
+            width,
+            height,
+            unit,
+            ..
+        } = *layout;
+        let place = format!("x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\"");
+        if self.cells.contains(&Cell::NotComputed) {
+            hatch(svg, unit);
+            let _ = writeln!(svg, "<rect {place} fill=\"url(#hatch)\"/>");
+        }
+        let data = raster::encode(self)?;
+        let _ = writeln!(
+            svg,
+            "<image {place} preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" href=\"{data}\"/>"
+        );
+        let path = self.threshold_path(layout);
+        if !path.is_empty() {
+            for (colour, stroke) in [("#ffffff", 5.0 * unit), ("#000000", 2.2 * unit)] {
+                let _ = writeln!(
+                    svg,
+                    "<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{stroke}\" \
+                     stroke-linejoin=\"round\"/>"
+                );
+            }
+        }
+        let _ = writeln!(
+            svg,
+            "<rect {place} fill=\"none\" stroke=\"#000000\" stroke-width=\"{unit}\"/>"
+        );
+        Ok(())
+    }
+
+    /// The threshold through the middles of the rows, half a row longer at the ends of each piece.
+    fn threshold_path(&self, layout: &Layout) -> String {
+        let half = 0.5 * layout.cell[1];
+        let sign = if self.y.step() < 0.0 { -1.0 } else { 1.0 };
+        let longest = (MAX_JUMP * layout.width).min(MAX_JUMP_ROWS * layout.cell[1]);
+        let mut path = String::new();
+        let mut previous: Option<(f64, f64)> = None;
+        for (row, onset) in self.curve.iter().enumerate() {
+            let point = onset.map(|x| (self.x_pixel(x, layout), self.y_pixel(self.y.value(row), layout)));
+            let joined = |(x, _): (f64, f64), (next, _): (f64, f64)| (next - x).abs() <= longest;
+            match (previous, point) {
+                (Some(last), Some(next)) if joined(last, next) => {
+                    let _ = write!(path, "L{:.2} {:.2}", next.0, next.1);
+                }
+                (last, next) => {
+                    if let Some((x, y)) = last {
+                        let _ = write!(path, "L{x:.2} {:.2}", y - sign * half);
+                    }
+                    if let Some((x, y)) = next {
+                        let _ = write!(path, "M{x:.2} {:.2}L{x:.2} {y:.2}", y + sign * half);
+                    }
+                }
+            }
+            previous = point;
+        }
+        if let Some((x, y)) = previous {
+            let _ = write!(path, "L{x:.2} {:.2}", y - sign * half);
+        }
+        path
+    }
+
+    /// Values rise to the right, whichever way the axis runs.
+    fn x_pixel(&self, value: f64, layout: &Layout) -> f64 {
+        let low = self.x.start.min(self.x.stop);
+        layout.left + ((value - low) / self.x.step().abs() + 0.5) * layout.cell[0]
+    }
+
+    fn y_pixel(&self, value: f64, layout: &Layout) -> f64 {
+        let low = self.y.start.min(self.y.stop);
+        layout.top + layout.height - ((value - low) / self.y.step().abs() + 0.5) * layout.cell[1]
+    }
+
+    /// Draws ticks and labels; the y of the lowest.
+    fn draw_axes(
+        &self,
+        svg: &mut String,
+        layout: &Layout,
+        x_ticks: &[Tick],
+        y_ticks: &[Tick],
+        y_label: &[String],
+    ) -> f64 {
+        let (unit, size) = (layout.unit, layout.tick_size());
+        let bottom = layout.top + layout.height;
+        for tick in x_ticks {
+            let x = self.x_pixel(tick.value, layout);
+            line(svg, [x, bottom, x, bottom + 6.0 * unit], unit);
+            words(svg, &tick.label, x, bottom + 9.0 * unit + size, size, "middle");
+        }
+        for tick in y_ticks {
+            let y = self.y_pixel(tick.value, layout);
+            line(svg, [layout.left - 6.0 * unit, y, layout.left, y], unit);
+            words(
+                svg,
+                &tick.label,
+                layout.left - 10.0 * unit,
+                y + 0.36 * size,
+                size,
+                "end",
+            );
+        }
+        let label_line = 1.35 * layout.label_size();
+        for (index, text) in y_label.iter().enumerate() {
+            let x = layout.margin() + layout.label_size() + index as f64 * label_line;
+            upright(svg, text, x, layout.top + 0.5 * layout.height, layout.label_size());
+        }
+        let mut y = bottom + 9.0 * unit + size;
+        for text in wrap(&axis_label(&self.x), layout.label_size(), layout.width) {
+            y += label_line;
+            words(
+                svg,
+                &text,
+                layout.left + 0.5 * layout.width,
+                y,
+                layout.label_size(),
+                "middle",
+            );
+        }
+        y
+    }
+
+    /// Draws swatches of the kinds that occur, in rows; the y of the lowest row.
+    fn draw_legend(&self, svg: &mut String, layout: &Layout, above: f64, page_width: f64) -> f64 {
+        let (unit, size) = (layout.unit, layout.tick_size());
+        let mut entries: Vec<(String, &str)> = Vec::new();
+        if !self.heading.is_empty() {
+            entries.push((String::new(), &self.heading));
+        }
+        for (index, kind) in self.kinds.iter().enumerate() {
+            if self.cells.contains(&Cell::Kind(index)) {
+                entries.push((hex(kind.colour), &kind.name));
+            }
+        }
+        if self.cells.contains(&Cell::NotComputed) {
+            entries.push(("url(#hatch)".to_owned(), "not computed"));
+        }
+        let has_curve = self.curve.iter().any(Option::is_some);
+        if has_curve {
+            entries.push(("line".to_owned(), "onset of chaos (first upward change)"));
+        }
+        if entries.is_empty() {
+            return above;
+        }
+        let (row, swatch) = (1.7 * size, 22.0 * unit);
+        let (mut x, mut y) = (layout.margin(), above + 1.3 * row);
+        for (fill, name) in entries {
+            let mark = if fill.is_empty() { 0.0 } else { swatch + 7.0 * unit };
+            let entry = mark + width(name, size);
+            if x > layout.margin() && x + entry > page_width - layout.margin() {
+                (x, y) = (layout.margin(), y + row);
+            }
+            let middle = y - 0.36 * size;
+            match fill.as_str() {
+                "" => {}
+                "line" => line(svg, [x, middle, x + swatch, middle], 2.2 * unit),
+                fill => {
+                    let _ = writeln!(
+                        svg,
+                        "<rect x=\"{x:.1}\" y=\"{:.1}\" width=\"{swatch}\" height=\"{}\" fill=\"{fill}\" \
+                         stroke=\"#000000\" stroke-width=\"{}\"/>",
+                        middle - 7.0 * unit,
+                        14.0 * unit,
+                        0.7 * unit
+                    );
+                }
+            }
+            words(svg, name, x + mark, y, size, "start");
+            x += entry + 22.0 * unit;
+        }
+        y
+    }
+}
+
+fn axis_label(axis: &Axis) -> String {
+    let info = axis.parameter.info();
+    // The table is in ASCII, for terminals.
+    let meaning = info.meaning.replace("epsilon", "ε").replace("h1", "h₁");
+    format!("{meaning}, {}", info.symbol)
+}

@@ -1,0 +1,45 @@
+//! Made-up maps for the tests of the output layer.
+
+use crate::experiment::{Experiment, Request};
+use crate::grid::Axis;
+use crate::map::ParameterMap;
+use crate::measurement::{BackendKind, Class, Measurement, Status};
+
+pub fn experiment(x: &str, y: &str) -> Experiment {
+    let request = Request {
+        x: Axis::parse(x).unwrap(),
+        y: Axis::parse(y).unwrap(),
+        ..Request::default()
+    };
+    request.resolve().unwrap()
+}
+
+/// A measurement that is recognised by its exponent.
+pub fn measurement(lyapunov: f64) -> Measurement {
+    let class = if lyapunov > 0.0 { Class::Chaotic } else { Class::Regular };
+    Measurement {
+        status: Status::Ok,
+        class: Some(class),
+        lyapunov,
+        period: (lyapunov < 0.0).then_some(3),
+        attractors: 1,
+        ..Measurement::runaway(0.0, BackendKind::CpuF64)
+    }
+}
+
+/// A map of the exponents given, x fastest: NaN is a runaway, and what the list does not reach is not computed.
+pub fn map(x: &str, y: &str, exponents: &[f64]) -> ParameterMap {
+    let mut map = ParameterMap::new(experiment(x, y));
+    for (index, &lyapunov) in exponents.iter().enumerate() {
+        let runaway = Measurement::runaway(50.0, BackendKind::CpuF64);
+        map.set(
+            index,
+            &if lyapunov.is_nan() {
+                runaway
+            } else {
+                measurement(lyapunov)
+            },
+        );
+    }
+    map
+}

@@ -1,0 +1,29 @@
+//! What can be wrong with a store.
+
+use std::path::PathBuf;
+
+use super::layout::FORMAT_VERSION;
+use crate::output::PROGRAM;
+
+#[derive(Debug, thiserror::Error)]
+pub enum StoreError {
+    #[error("{} exists already: resume it, remove it, or choose another name", path.display())]
+    Exists { path: PathBuf },
+    #[error("there is no store at {}: give the path of a folder NAME.zarr", path.display())]
+    Missing { path: PathBuf },
+    #[error(
+        "{} is not a map of tribochaos, or its creation was cut short: give another path, or remove it",
+        path.display()
+    )]
+    Foreign { path: PathBuf },
+    #[error(
+        "{} has format version {found}, and {PROGRAM} reads version {FORMAT_VERSION}: use the version of the program \
+         that wrote it",
+        path.display()
+    )]
+    Version { path: PathBuf, found: String },
+    #[error("{} is damaged: {what}; restore it from a copy, or remove it and compute it again", path.display())]
+    Damaged { path: PathBuf, what: String },
+    #[error("{} cannot be written: {reason}; check the folder's permissions and the free space", path.display())]
+    Write { path: PathBuf, reason: String },
+}

@@ -1,0 +1,48 @@
+//! The few SVG elements that figures consist of.
+//!
+//! Owns their text; places nothing.
+
+use std::fmt::Write as _;
+
+use super::colour::Rgb;
+use super::text::escape;
+
+/// A line of text with its anchor, `start`, `middle` or `end`, on the baseline `y`.
+pub fn words(svg: &mut String, text: &str, x: f64, y: f64, size: f64, anchor: &str) {
+    let text = escape(text);
+    let _ = writeln!(
+        svg,
+        "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size}\" text-anchor=\"{anchor}\">{text}</text>"
+    );
+}
+
+/// Text that runs upwards, with its middle at `y`.
+pub fn upright(svg: &mut String, text: &str, x: f64, y: f64, size: f64) {
+    let text = escape(text);
+    let _ = writeln!(
+        svg,
+        "<text transform=\"translate({x:.1} {y:.1}) rotate(-90)\" font-size=\"{size}\" \
+         text-anchor=\"middle\">{text}</text>"
+    );
+}
+
+pub fn line(svg: &mut String, [x1, y1, x2, y2]: [f64; 4], stroke: f64) {
+    let _ = writeln!(
+        svg,
+        "<path d=\"M{x1:.2} {y1:.2}L{x2:.2} {y2:.2}\" stroke=\"#000000\" stroke-width=\"{stroke}\"/>"
+    );
+}
+
+pub fn hatch(svg: &mut String, unit: f64) {
+    let side = 8.0 * unit;
+    let _ = writeln!(
+        svg,
+        "<pattern id=\"hatch\" width=\"{side}\" height=\"{side}\" patternUnits=\"userSpaceOnUse\" \
+         patternTransform=\"rotate(45)\"><rect width=\"{side}\" height=\"{side}\" fill=\"#ffffff\"/>\
+         <rect width=\"{unit}\" height=\"{side}\" fill=\"#707070\"/></pattern>"
+    );
+}
+
+pub fn hex([red, green, blue]: Rgb) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}

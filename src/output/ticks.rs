@@ -1,0 +1,168 @@
+//! Ticks and numbers for axes, colour bars and captions.
+//!
+//! Owns how numbers are rounded and written; draws nothing.
+
+/// A labelled value of an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tick {
+    pub value: f64,
+    pub label: String,
+}
+
+/// Multiples of 1, 2 or 5 times a power of ten in `low..=high`, about `most` of them or fewer.
+pub fn ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
+    let step = round_step((high - low) / most.max(1) as f64);
+    // A tick at an end must not be lost to rounding.
+    let first = (low / step - 1e-6).ceil() as i64;
+    let last = (high / step + 1e-6).floor() as i64;
+    let largest = low.abs().max(high.abs());
+    (first..=last)
+        .map(|k| {
+            let value = k as f64 * step;
+            Tick {
+                value,
+                label: label(value, step, largest),
+            }
+        })
+        .collect()
+}
+
+/// The least of 1, 2, 5 times a power of ten that is `least` or more.
+pub fn round_step(least: f64) -> f64 {
+    let power = 10f64.powf(least.log10().floor());
+    let factor = [1.0, 2.0, 5.0]
+        .into_iter()
+        .find(|factor| factor * power >= least * (1.0 - 1e-9));
+    factor.unwrap_or(10.0) * power
+}
+
+/// The least "round" number that is `least` or more, with steps fine enough for the limits of a scale.
+pub fn round_up(least: f64) -> f64 {
+    let power = 10f64.powf(least.log10().floor());
+    let factors = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
+    let factor = factors
+        .into_iter()
+        .find(|factor| factor * power >= least * (1.0 - 1e-9));
+    factor.unwrap_or(10.0) * power
+}
+
+/// `value` with the digits that a scale with ticks every `step` and values up to `largest` needs.
+fn label(value: f64, step: f64, largest: f64) -> String {
+    let exponent = largest.log10().floor() as i32;
+    let digits = |step: f64| (-(step.log10() + 1e-9).floor()).max(0.0) as usize;
+    if value == 0.0 || is_plain(exponent) {
+        return with_minus(format!("{value:.*}", digits(step)));
+    }
+    let power = 10f64.powi(exponent);
+    let mantissa = with_minus(format!("{:.*}", digits(step / power), value / power));
+    format!("{mantissa}×10{}", superscript(exponent))
+}
+
+/// A number with all the digits that it has.
+pub fn number(value: f64) -> String {
+    let exponent = if value == 0.0 {
+        0
+    } else {
+        value.abs().log10().floor() as i32
+    };
+    if is_plain(exponent) || !value.is_finite() {
+        return with_minus(value.to_string());
+    }
+    let text = format!("{value:e}");
+    let (mantissa, exponent) = text.split_once('e').expect("the format writes an exponent");
+    let power = format!(
+        "10{}",
+        superscript(exponent.parse().expect("the format writes a number"))
+    );
+    let mantissa = with_minus(mantissa.to_owned());
+    if mantissa == "1" {
+        power
+    } else {
+        format!("{mantissa}×{power}")
+    }
+}
+
+/// Whether numbers of this magnitude are written without a power of ten.
+fn is_plain(exponent: i32) -> bool {
+    (-4..6).contains(&exponent)
+}
+
+fn with_minus(text: String) -> String {
+    let is_zero = text.chars().all(|character| "-0.".contains(character));
+    text.replace('-', if is_zero { "" } else { "\u{2212}" })
+}
+
+fn superscript(exponent: i32) -> String {
+    let glyph = |character| match character {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        digit => char::from_u32('⁰' as u32 + digit.to_digit(10).expect("a digit")).expect("a superscript digit"),
+    };
+    exponent.to_string().chars().map(glyph).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(low: f64, high: f64, most: usize) -> Vec<String> {
+        ticks(low, high, most).into_iter().map(|tick| tick.label).collect()
+    }
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        assert_eq!(labels(0.0, 12.0, 8), ["0", "2", "4", "6", "8", "10", "12"]);
+        assert_eq!(labels(-0.02, 2.02, 6), ["0.0", "0.5", "1.0", "1.5", "2.0"]);
+        assert_eq!(
+            labels(-0.3, 0.3, 6),
+            ["−0.3", "−0.2", "−0.1", "0.0", "0.1", "0.2", "0.3"]
+        );
+        assert_eq!(
+            labels(1e-6, 5e-6, 4),
+            ["1×10⁻⁶", "2×10⁻⁶", "3×10⁻⁶", "4×10⁻⁶", "5×10⁻⁶"]
+        );
+        assert_eq!(labels(3.000, 3.001, 3), ["3.0000", "3.0005", "3.0010"]);
+        assert_eq!(labels(-2e6, 0.0, 2), ["−2×10⁶", "−1×10⁶", "0"]);
+        for (low, high) in [(0.1, 0.7), (-1e-9, 1e-9), (1.0, 1000.0), (0.37, 0.3701), (-7.0, 123.4)] {
+            for most in 1..12 {
+                let ticks = ticks(low, high, most);
+                assert!(ticks.len() <= most + 1, "{low} {high} {most}: {ticks:?}");
+                let slack = (high - low) * 1e-5;
+                assert!(
+                    ticks
+                        .iter()
+                        .all(|tick| (low - slack..=high + slack).contains(&tick.value))
+                );
+            }
+            assert!(ticks(low, high, 5).len() >= 2);
+        }
+    }
+
+    #[test]
+    fn numbers_keep_their_digits() {
+        for (value, text) in [
+            (2.0, "2"),
+            (-0.25, "−0.25"),
+            (0.0, "0"),
+            (0.01, "0.01"),
+            (1e-6, "10⁻⁶"),
+            (-2.5e-12, "−2.5×10⁻¹²"),
+            (1.0 / 3.0, "0.3333333333333333"),
+        ] {
+            assert_eq!(number(value), text);
+        }
+    }
+
+    #[test]
+    fn limits_are_rounded_up() {
+        for (value, limit) in [(0.231, 0.25), (0.25, 0.25), (0.91, 1.0), (1.1, 1.2), (30.0, 30.0)] {
+            assert!(
+                (round_up(value) / limit - 1.0).abs() < 1e-12,
+                "{value}: {}",
+                round_up(value)
+            );
+        }
+    }
+}

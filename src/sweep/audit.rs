@@ -1,0 +1,195 @@
+//! The audit of a map: some of its points computed again on the CPU in f64.
+//!
+//! Owns the choice of points and what agreement means; does not change the map.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Backends, Observer};
+use crate::backend::BackendError;
+use crate::backend::cpu::CpuBackend;
+use crate::experiment::Precision;
+use crate::map::ParameterMap;
+use crate::measurement::{Class, Quantity};
+
+/// Agreement of audited points with the f64 reference.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Audit {
+    /// One row for each class that occurs in the map.
+    pub classes: Vec<ClassAudit>,
+}
+
+/// Agreement of the audited points that the map puts into one class.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClassAudit {
+    pub class: Class,
+    pub points: usize,
+    /// Points that the reference puts into the same class.
+    pub same_class: usize,
+    /// Points whose exponents differ by at most three combined standard errors, or [`EXPONENT_FLOOR`].
+    pub same_exponent: usize,
+    /// Largest difference between the exponents.
+    pub largest_difference: f64,
+}
+
+/// Exponents of regular orbits, whose standard error vanishes, agree where they differ by no more than this: the
+/// rounding of f32.
+pub const EXPONENT_FLOOR: f64 = 1e-3;
+
+impl Audit {
+    pub fn points(&self) -> usize {
+        self.classes.iter().map(|row| row.points).sum()
+    }
+
+    /// Whether at least 98 % of the points of each class that is decided agree in class (one point may always differ),
+    /// and 95 % of all exponents within their errors.
+    pub fn passes(&self) -> bool {
+        let decided = self.classes.iter().filter(|row| row.class != Class::Undecided);
+        decided
+            .clone()
+            .all(|row| (row.points - row.same_class) as f64 <= (0.02 * row.points as f64).max(1.0))
+            && self.same_exponent() as f64 >= 0.95 * self.points() as f64
+    }
+
+    pub fn same_class(&self) -> usize {
+        self.classes.iter().map(|row| row.same_class).sum()
+    }
+
+    pub fn same_exponent(&self) -> usize {
+        self.classes.iter().map(|row| row.same_exponent).sum()
+    }
+}
+
+/// Points to audit, by class: as evenly over the classes that occur as their numbers allow, chaotic ones first, and
+/// evenly over the map within each class.
+pub fn choose(map: &ParameterMap, points: usize) -> Vec<(Class, Vec<usize>)> {
+    let mut strata: Vec<(Class, Vec<usize>)> = Class::ALL
+        .into_iter()
+        .map(|class| {
+            (
+                class,
+                (0..map.experiment.grid.len())
+                    .filter(|&index| map.class(index) == Some(class))
+                    .collect(),
+            )
+        })
+        .filter(|(_, indices): &(Class, Vec<usize>)| !indices.is_empty())
+        .collect();
+    let mut shares = vec![0; strata.len()];
+    let mut left = points;
+    while left > 0 && (0..strata.len()).any(|i| shares[i] < strata[i].1.len()) {
+        for (share, (_, indices)) in shares.iter_mut().zip(&strata) {
+            if left > 0 && *share < indices.len() {
+                *share += 1;
+                left -= 1;
+            }
+        }
+    }
+    for ((_, indices), share) in strata.iter_mut().zip(shares) {
+        *indices = (0..share)
+            .map(|i| indices[(2 * i + 1) * indices.len() / (2 * share)])
+            .collect();
+    }
+    strata.retain(|(_, indices)| !indices.is_empty());
+    strata
+}
+
+/// Computes `points` points of the map again on the CPU in f64; None if the observer broke it off.
+///
+/// # Errors
+/// If the CPU backend fails.
+pub fn audit(map: &ParameterMap, points: usize, observer: &mut Observer<'_>) -> Result<Option<Audit>, BackendError> {
+    let mut reference = Backends::new(Box::new(CpuBackend::new(Precision::F64)), None);
+    let strata = choose(map, points);
+    let indices: Vec<usize> = strata.iter().flat_map(|(_, indices)| indices.iter().copied()).collect();
+    let Some(again) = reference.measure(&map.experiment.grid, &map.experiment.settings, &indices, observer)? else {
+        return Ok(None);
+    };
+    let mut again = indices.iter().zip(&again);
+    let classes = strata
+        .iter()
+        .map(|(class, indices)| {
+            let mut row = ClassAudit {
+                class: *class,
+                points: 0,
+                same_class: 0,
+                same_exponent: 0,
+                largest_difference: 0.0,
+            };
+            for (&index, reference) in again.by_ref().take(indices.len()) {
+                let difference = (map.column(Quantity::Lyapunov)[index] - reference.lyapunov).abs();
+                let error = map.column(Quantity::LyapunovError)[index].hypot(reference.lyapunov_error);
+                row.points += 1;
+                row.same_class += usize::from(reference.class == Some(*class));
+                row.same_exponent += usize::from(difference <= (3.0 * error).max(EXPONENT_FLOOR));
+                row.largest_difference = row.largest_difference.max(difference);
+            }
+            row
+        })
+        .collect();
+    Ok(Some(Audit { classes }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::Request;
+    use crate::measurement::{BackendKind, Measurement, Status};
+
+    /// A map of 10 x 10 points: three chaotic, one undecided, the rest regular.
+    fn map() -> ParameterMap {
+        let mut request = Request::default();
+        (request.x.count, request.y.count) = (10, 10);
+        let mut map = ParameterMap::new(request.resolve().unwrap());
+        for index in 0..100 {
+            let class = match index {
+                7 | 50 | 93 => Class::Chaotic,
+                60 => Class::Undecided,
+                _ => Class::Regular,
+            };
+            let runaway = Measurement::runaway(0.0, BackendKind::GpuF32);
+            map.set(
+                index,
+                &Measurement {
+                    status: Status::Ok,
+                    class: Some(class),
+                    ..runaway
+                },
+            );
+        }
+        map
+    }
+
+    #[test]
+    fn classes_share_the_audit_and_chaos_is_never_left_out() {
+        let chosen = |points| {
+            choose(&map(), points)
+                .into_iter()
+                .map(|(class, i)| (class, i.len()))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(chosen(1), [(Class::Chaotic, 1)]);
+        assert_eq!(
+            chosen(5),
+            [(Class::Chaotic, 2), (Class::Regular, 2), (Class::Undecided, 1)]
+        );
+        assert_eq!(
+            chosen(32),
+            [(Class::Chaotic, 3), (Class::Regular, 28), (Class::Undecided, 1)]
+        );
+        assert_eq!(
+            chosen(1000),
+            [(Class::Chaotic, 3), (Class::Regular, 96), (Class::Undecided, 1)]
+        );
+    }
+
+    #[test]
+    fn a_forged_map_does_not_pass() {
+        // nothing in this map was computed: its exponents are NaN
+        let audit = audit(&map(), 6, &mut |_| std::ops::ControlFlow::Continue(()))
+            .unwrap()
+            .unwrap();
+        assert_eq!(audit.points(), 6);
+        assert_eq!(audit.same_exponent(), 0);
+        assert!(!audit.passes());
+    }
+}

@@ -1,0 +1,62 @@
+//! Which backend an experiment runs on, and why.
+//!
+//! Owns the meaning of `auto`, `gpu` and `cpu`; integrates nothing.
+
+use super::Backends;
+use crate::backend::cpu::CpuBackend;
+use crate::backend::gpu::{GpuBackend, GpuContext};
+use crate::backend::{Backend, BackendError};
+use crate::experiment::{BackendChoice, Experiment, Precision};
+
+/// The chosen backend with its fall-back, and the reason for the choice in a sentence.
+pub struct Choice {
+    pub backends: Backends,
+    pub reason: String,
+}
+
+/// Chooses by the experiment's settings. With `auto`, a hardware GPU if there is one that can carry the experiment,
+/// with the CPU to fall back on; else the CPU; never a software adapter.
+///
+/// # Errors
+/// With `gpu`, if there is no suitable adapter.
+pub fn choose(experiment: &Experiment) -> Result<Choice, BackendError> {
+    let settings = &experiment.settings;
+    let cpu = || Box::new(CpuBackend::new(settings.precision.unwrap_or(Precision::F64)));
+    let on_cpu = |reason: String| Choice {
+        backends: Backends::new(cpu(), None),
+        reason,
+    };
+    let adapter = settings.adapter.as_deref();
+    match settings.backend {
+        BackendChoice::Cpu => Ok(on_cpu("the CPU was asked for".into())),
+        BackendChoice::Gpu => {
+            let gpu = GpuBackend::new(GpuContext::open(adapter, true)?);
+            Ok(Choice {
+                backends: Backends::new(Box::new(gpu), None),
+                reason: "a GPU was asked for".into(),
+            })
+        }
+        BackendChoice::Auto => {
+            if settings.precision == Some(Precision::F64) {
+                return Ok(on_cpu("f64 was asked for, which only the CPU has".into()));
+            }
+            if let Err(error) = experiment.check_f32() {
+                return Ok(on_cpu(error.to_string()));
+            }
+            Ok(match GpuContext::open(adapter, false) {
+                Ok(context) => {
+                    let gpu = GpuBackend::new(context);
+                    let reason = format!("a hardware GPU is there: {}", gpu.device());
+                    Choice {
+                        backends: Backends::new(Box::new(gpu), Some(cpu())),
+                        reason,
+                    }
+                }
+                Err(BackendError::NoDevice(_)) => {
+                    on_cpu("no hardware GPU was found; `tribochaos devices` tells what there is".into())
+                }
+                Err(error) => on_cpu(error.to_string()),
+            })
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! Several initial states for one point, because attractors coexist in this system.
+//!
+//! Owns which states are tried and how their measurements become the point's; integrates nothing.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+use crate::experiment::Settings;
+use crate::measurement::{Class, Measurement, Status};
+use crate::parameters::{Parameter, ParameterSet};
+
+/// The initial states besides (x0, y0): uniform in the box, the same for every point, reproducible from the seed.
+pub fn offsets(settings: &Settings) -> Vec<[f64; 2]> {
+    let mut generator = ChaCha8Rng::seed_from_u64(settings.seed.into());
+    let mut uniform = |[low, high]: [f64; 2]| {
+        let unit = (generator.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+        low + (high - low) * unit
+    };
+    (1..settings.initial_states)
+        .map(|_| [uniform(settings.initial_box.x), uniform(settings.initial_box.y)])
+        .collect()
+}
+
+/// The instances of one point: its own (x0, y0) first.
+pub fn instances(point: ParameterSet, others: &[[f64; 2]]) -> impl Iterator<Item = ParameterSet> + '_ {
+    std::iter::once(point).chain(
+        others
+            .iter()
+            .map(move |&[x, y]| point.with(Parameter::X0, x).with(Parameter::Y0, y)),
+    )
+}
+
+/// The measurement of a point: that of the initial state with the largest exponent, with the fraction of states whose
+/// motion is chaotic and the number of distinct attractors among those that did not run away.
+///
+/// # Panics
+/// If there is no measurement.
+pub fn combine(measurements: &[Measurement], period_tolerance: f64) -> Measurement {
+    let bounded: Vec<&Measurement> = measurements.iter().filter(|m| m.status == Status::Ok).collect();
+    let Some(largest) = bounded.iter().max_by(|a, b| a.lyapunov.total_cmp(&b.lyapunov)) else {
+        return measurements[0];
+    };
+    let chaotic = bounded.iter().filter(|m| m.class == Some(Class::Chaotic)).count();
+    let mut attractors: Vec<&Measurement> = Vec::new();
+    for m in &bounded {
+        if !attractors
+            .iter()
+            .any(|known| same_attractor(known, m, period_tolerance))
+        {
+            attractors.push(m);
+        }
+    }
+    Measurement {
+        chaotic_fraction: chaotic as f64 / measurements.len() as f64,
+        attractors: attractors.len() as u32,
+        ..**largest
+    }
+}
+
+/// Whether two orbits lie on the same attractor, as far as their class, period and range of x tell. Cycles have the
+/// same range to a hundred times the tolerance of the period; of other attractors a run sees the range less sharply, and
+/// nine tenths of the two ranges must be common.
+fn same_attractor(a: &Measurement, b: &Measurement, period_tolerance: f64) -> bool {
+    if a.class != b.class || a.period != b.period {
+        return false;
+    }
+    if a.period.is_some() {
+        let near = |p: f64, q: f64| (p - q).abs() < 100.0 * period_tolerance;
+        return near(a.x_min, b.x_min) && near(a.x_max, b.x_max);
+    }
+    let common = a.x_max.min(b.x_max) - a.x_min.max(b.x_min);
+    let both = a.x_max.max(b.x_max) - a.x_min.min(b.x_min);
+    common >= 0.9 * both
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measurement::BackendKind;
+
+    fn orbit(class: Class, lyapunov: f64, period: Option<u32>, x_min: f64, x_max: f64) -> Measurement {
+        let runaway = Measurement::runaway(1.0, BackendKind::CpuF64);
+        Measurement {
+            status: Status::Ok,
+            class: Some(class),
+            lyapunov,
+            period,
+            x_min,
+            x_max,
+            ..runaway
+        }
+    }
+
+    #[test]
+    fn the_largest_exponent_stands_for_the_point_and_attractors_are_counted() {
+        let orbits = [
+            orbit(Class::Regular, -0.2, Some(1), 0.5, 1.0),
+            orbit(Class::Regular, -0.2, Some(1), 0.501, 1.0),
+            orbit(Class::Regular, -0.3, Some(1), -1.0, -0.5),
+            orbit(Class::Regular, -0.3, Some(2), 0.5, 1.0),
+            orbit(Class::Chaotic, 0.10, None, -1.2, 1.5),
+            orbit(Class::Chaotic, 0.12, None, -1.21, 1.48),
+            Measurement::runaway(3.0, BackendKind::CpuF64),
+            orbit(Class::Regular, -0.2, Some(1), 0.5, 1.0),
+        ];
+        let point = combine(&orbits, 1e-4);
+        assert_eq!((point.lyapunov, point.class), (0.12, Some(Class::Chaotic)));
+        assert_eq!((point.chaotic_fraction, point.attractors), (0.25, 4));
+    }
+
+    #[test]
+    fn a_point_all_of_whose_states_run_away_has_run_away() {
+        let runaway = Measurement::runaway(3.0, BackendKind::CpuF64);
+        assert_eq!(combine(&[runaway, runaway], 1e-4).status, Status::Runaway { time: 3.0 });
+    }
+
+    #[test]
+    fn states_are_reproducible_inside_the_box_and_differ_by_seed() {
+        let settings = Settings {
+            initial_states: 50,
+            ..Settings::default()
+        };
+        let states = offsets(&settings);
+        assert_eq!(states.len(), 49);
+        assert_eq!(states, offsets(&settings));
+        assert!(states.iter().flatten().all(|value| (-2.0..2.0).contains(value)));
+        assert_ne!(states, offsets(&Settings { seed: 2, ..settings }));
+    }
+}

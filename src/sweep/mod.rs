@@ -1,0 +1,125 @@
+//! From a grid to its measurements: points to instances, instances to batches, batches to a backend, and back.
+//!
+//! Owns the order of the work, the fall-back to another backend, and cancellation; neither stores nor draws nor prints.
+
+pub mod audit;
+pub mod choice;
+pub mod estimate;
+pub mod initial_states;
+
+use std::ops::ControlFlow;
+
+use crate::backend::{self, Backend, BackendError};
+use crate::experiment::{Experiment, Settings};
+use crate::grid::Grid;
+use crate::measurement::Measurement;
+
+/// Instance-periods of `points` points: the work of a sweep.
+pub fn instance_periods(settings: &Settings, points: usize) -> u64 {
+    points as u64
+        * u64::from(settings.initial_states)
+        * (u64::from(settings.transient_periods) + u64::from(settings.periods))
+}
+
+/// Rows and columns of a map's tiles: whole rows of it if they hold no more than `points`, else parts of one.
+pub fn tile_shape(experiment: &Experiment, points: usize) -> [usize; 2] {
+    let [x, y] = [0, 1].map(|axis| experiment.grid.axes[axis].count);
+    if points >= x {
+        [(points / x).min(y), x]
+    } else {
+        [1, points]
+    }
+}
+
+/// A backend, and another one that takes over if it fails.
+pub struct Backends {
+    active: Box<dyn Backend>,
+    fallback: Option<Box<dyn Backend>>,
+}
+
+/// What a sweep tells while it runs.
+pub enum Event<'a> {
+    /// So many instance-periods were done since the last event.
+    Advanced(u64),
+    /// The backend failed; the fall-back goes on from the last finished batch.
+    FellBack { error: &'a BackendError, device: &'a str },
+}
+
+/// Hears events; may break the sweep off.
+pub type Observer<'a> = dyn FnMut(Event<'_>) -> ControlFlow<()> + 'a;
+
+impl Backends {
+    pub fn new(active: Box<dyn Backend>, fallback: Option<Box<dyn Backend>>) -> Self {
+        Self { active, fallback }
+    }
+
+    /// The backend in use.
+    pub fn active(&self) -> &dyn Backend {
+        self.active.as_ref()
+    }
+
+    pub fn active_mut(&mut self) -> &mut dyn Backend {
+        self.active.as_mut()
+    }
+
+    /// Points in a tile such that the backend in use is filled by one.
+    pub fn points_per_tile(&self, settings: &Settings) -> usize {
+        (self.active.batch_size() / settings.initial_states as usize).max(1)
+    }
+
+    /// Measures the points of a grid with the given indices, in their order; None if the observer broke it off.
+    ///
+    /// # Errors
+    /// If the backend fails and no fall-back is left.
+    pub fn measure(
+        &mut self,
+        grid: &Grid,
+        settings: &Settings,
+        indices: &[usize],
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<Vec<Measurement>>, BackendError> {
+        let states = initial_states::offsets(settings);
+        let mut measurements = Vec::with_capacity(indices.len());
+        while measurements.len() < indices.len() {
+            let points = self.points_per_tile(settings).min(indices.len() - measurements.len());
+            let instances: Vec<_> = indices[measurements.len()..][..points]
+                .iter()
+                .flat_map(|&index| initial_states::instances(grid.point(index), &states))
+                .collect();
+            let mut progress = |instance_periods| observer(Event::Advanced(instance_periods));
+            match backend::measure_batch(self.active.as_mut(), settings, &instances, &mut progress) {
+                Ok(None) => return Ok(None),
+                Ok(Some(batch)) => measurements.extend(
+                    batch
+                        .chunks(settings.initial_states as usize)
+                        .map(|chunk| initial_states::combine(chunk, settings.period_tolerance)),
+                ),
+                Err(error) => {
+                    self.active = self.fallback.take().ok_or_else(|| error.clone())?;
+                    let event = Event::FellBack {
+                        error: &error,
+                        device: &self.active.device(),
+                    };
+                    if observer(event).is_break() {
+                        return Ok(None);
+                    }
+                }
+            }
+        }
+        Ok(Some(measurements))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::Request;
+
+    #[test]
+    fn tiles_are_whole_rows_or_parts_of_one() {
+        let experiment = Request::default().resolve().unwrap();
+        assert_eq!(tile_shape(&experiment, 4096), [13, 300]);
+        assert_eq!(tile_shape(&experiment, 1 << 20), [201, 300]);
+        assert_eq!(tile_shape(&experiment, 299), [1, 299]);
+    }
+}

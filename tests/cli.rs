@@ -1,0 +1,396 @@
+//! The program from outside: what is typed, what comes out, and with which exit code.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use assert_cmd::cargo::cargo_bin;
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// Options for a map of a second.
+const SMALL: [&str; 10] = [
+    "--x",
+    "zeta_k=3:5:12",
+    "--y",
+    "h1=0:1.5:8",
+    "--backend",
+    "cpu",
+    "--transient-periods",
+    "60",
+    "--periods",
+    "64",
+];
+
+fn tribochaos(folder: &Path, args: &[&str]) -> Output {
+    Command::new(cargo_bin!("tribochaos"))
+        .current_dir(folder)
+        .args(args)
+        .output()
+        .unwrap()
+}
+
+fn small_map(folder: &Path, more: &[&str]) -> Output {
+    tribochaos(folder, &[&["map"], &SMALL[..], more].concat())
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+#[track_caller]
+fn assert_refused(output: &Output, reason: &str) {
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{stderr}");
+    assert!(stderr.contains(reason), "{reason} is not in: {stderr}");
+}
+
+#[test]
+fn a_map_is_computed_stored_drawn_and_drawn_again() {
+    let folder = TempDir::new().unwrap();
+    let output = small_map(folder.path(), &[]);
+    let stdout = text(&output.stdout);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    for said in [
+        "96 points",
+        "class:",
+        "status: ok 96",
+        "instance-steps/s",
+        "onset:",
+        "sum of the exponents",
+    ] {
+        assert!(stdout.contains(said), "{said} is not in: {stdout}");
+    }
+    let path = |name: &str| folder.path().join(name);
+    for name in [
+        "outputs/map-lyapunov.png",
+        "outputs/map-period.png",
+        "outputs/map-threshold.csv",
+        "outputs/map.zarr",
+    ] {
+        assert!(path(name).exists(), "{name}");
+    }
+
+    // drawn again it is the same picture; with other limits another one
+    let before = fs::read(path("outputs/map-lyapunov.png")).unwrap();
+    let again = tribochaos(folder.path(), &["render", "outputs/map.zarr"]);
+    assert!(again.status.success());
+    assert_eq!(fs::read(path("outputs/map-lyapunov.png")).unwrap(), before);
+    let limits = [
+        "render",
+        "outputs/map.zarr",
+        "--limits=-0.3:0.3",
+        "--colours",
+        "purple-green",
+        "--out",
+        "other/name",
+    ];
+    assert!(tribochaos(folder.path(), &limits).status.success());
+    assert_ne!(fs::read(path("other/name-lyapunov.png")).unwrap(), before);
+    let quantity = [
+        "render",
+        "outputs/map.zarr",
+        "--quantity",
+        "x_max",
+        "--quantity",
+        "class",
+    ];
+    assert!(tribochaos(folder.path(), &quantity).status.success());
+    assert!(path("outputs/map-x_max.png").exists() && path("outputs/map-class.png").exists());
+
+    // the picture carries the experiment
+    let from = tribochaos(
+        folder.path(),
+        &["map", "--from", "other/name-lyapunov.png", "--print-experiment"],
+    );
+    let direct = small_map(folder.path(), &["--print-experiment"]);
+    assert!(from.status.success());
+    assert_eq!(text(&from.stdout), text(&direct.stdout));
+}
+
+#[test]
+fn results_are_resumed_but_those_of_another_experiment_are_not_overwritten() {
+    let folder = TempDir::new().unwrap();
+    assert!(small_map(folder.path(), &[]).status.success());
+    let same = small_map(folder.path(), &[]);
+    assert!(text(&same.stdout).contains("in the store already"));
+    let other = small_map(folder.path(), &["--set", "b=1.1"]);
+    assert_refused(&other, "--force");
+    assert!(
+        small_map(folder.path(), &["--set", "b=1.1", "--force"])
+            .status
+            .success()
+    );
+    // nor is what is no store
+    fs::create_dir_all(folder.path().join("thesis.zarr")).unwrap();
+    fs::write(folder.path().join("thesis.zarr/chapter1"), "precious").unwrap();
+    let output = small_map(folder.path(), &["--out", "thesis", "--force"]);
+    assert_refused(&output, "no store");
+    assert!(folder.path().join("thesis.zarr/chapter1").exists());
+    // pictures that lost their store are in the way as well
+    fs::remove_dir_all(folder.path().join("outputs/map.zarr")).unwrap();
+    assert_refused(&small_map(folder.path(), &[]), "another experiment");
+}
+
+#[test]
+fn the_experiment_is_printed_alone_and_read_back() {
+    let folder = TempDir::new().unwrap();
+    let printed = tribochaos(folder.path(), &["map", "--set", "omega_0=1.7", "--print-experiment"]);
+    assert!(printed.status.success() && printed.stderr.is_empty());
+    fs::write(folder.path().join("e.toml"), &printed.stdout).unwrap();
+    let again = tribochaos(folder.path(), &["map", "e.toml", "--print-experiment"]);
+    assert_eq!(again.stdout, printed.stdout);
+    assert!(text(&again.stdout).contains("omega_0 = 1.7"));
+    // options override the file, and a parameter that becomes an axis loses its value
+    let over = tribochaos(
+        folder.path(),
+        &[
+            "map",
+            "e.toml",
+            "--x",
+            "omega_0=1:2:5",
+            "--periods",
+            "99",
+            "--print-experiment",
+        ],
+    );
+    let over = text(&over.stdout);
+    assert!(
+        over.contains("periods = 99") && over.contains("zeta_k = 3.9") && !over.contains("omega_0 = "),
+        "{over}"
+    );
+}
+
+#[test]
+fn a_dry_run_tells_the_time_and_writes_nothing() {
+    let folder = TempDir::new().unwrap();
+    let output = small_map(folder.path(), &["--dry-run"]);
+    let stdout = text(&output.stdout);
+    assert!(output.status.success());
+    assert!(
+        stdout.contains("about ") && stdout.contains("96 points") && stdout.contains("outputs/map.zarr"),
+        "{stdout}"
+    );
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+fn point(args: &[&str]) -> Value {
+    let folder = TempDir::new().unwrap();
+    let output = tribochaos(folder.path(), &[&["point", "--json"], args].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn a_point_is_one_json_object() {
+    let point = point(&["--set", "zeta_k=3.5", "--set", "h1=0.5"]);
+    let keys: Vec<&str> = point.as_object().unwrap().keys().map(String::as_str).collect();
+    assert_eq!(
+        keys,
+        [
+            "parameters",
+            "settings",
+            "backend",
+            "precision",
+            "status",
+            "class",
+            "lyapunov",
+            "lyapunov_error",
+            "lyapunov_second",
+            "divergence",
+            "spectrum",
+            "period",
+            "x",
+            "y",
+            "x_min",
+            "x_max"
+        ]
+    );
+    assert_eq!(point["class"], "regular");
+    assert_eq!(point["period"], 1);
+    assert_eq!(point["parameters"]["h1"], 0.5);
+    let number = |value: &Value| value.as_f64().unwrap();
+    assert!((number(&point["spectrum"][0]) - number(&point["lyapunov"])).abs() < 1e-6);
+    assert!((number(&point["spectrum"][1]) - number(&point["lyapunov_second"])).abs() < 1e-6);
+}
+
+#[test]
+fn what_does_not_apply_is_null() {
+    let point = point(&["--set", "b=-1", "--set", "x0=2", "--set", "y0=1"]);
+    assert_eq!(point["status"], "runaway");
+    assert!(point["runaway_time"].as_f64().unwrap() > 0.0);
+    for key in [
+        "class",
+        "lyapunov",
+        "lyapunov_error",
+        "lyapunov_second",
+        "divergence",
+        "spectrum",
+        "period",
+        "x",
+        "x_max",
+    ] {
+        assert!(point[key].is_null(), "{key}: {}", point[key]);
+    }
+}
+
+#[test]
+fn coexisting_attractors_are_counted() {
+    // two wells, hardly driven: the bush rests in one or the other
+    let point = point(&[
+        "--set",
+        "zeta_k=1",
+        "--set",
+        "h1=1",
+        "--initial-states",
+        "12",
+        "--periods",
+        "100",
+    ]);
+    assert_eq!(point["attractors"], 2, "{point:#}");
+    assert_eq!(point["chaotic_fraction"], 0.0);
+}
+
+#[test]
+fn bad_input_is_refused_with_a_reason_before_any_work() {
+    let folder = TempDir::new().unwrap();
+    let long = "--x=zeta_k=0:12:60000";
+    for (args, reason) in [
+        (&["map", "--x", "zetak=0:1:5"][..], "did you mean `zeta_k`"),
+        (&["map", "--set", "gravity=1"], "unknown parameter"),
+        (&["map", "--x", "zeta_k=1:1:5"], "two different ends"),
+        (&["map", "--x", "zeta_k=0:1:1"], "needs 2"),
+        (&["map", "--x", "zeta_k=0:nan:10"], "out of range"),
+        (&["map", "--x", "zeta_k=0:inf:10"], "out of range"),
+        (&["map", "--set", "epsilon_0=0"], "out of range"),
+        (&["map", "--set", "omega_0=-2"], "out of range"),
+        (&["map", "--set", "b=NaN"], "out of range"),
+        (&["map", "--set", "b"], "NAME=VALUE"),
+        (&["map", "--set", "zeta_k=3"], "leave one of the two out"),
+        (&["map", "--x", "h1=0:1:5"], "both axes are h1"),
+        (&["map", "--steps-per-period", "7"], "from 8"),
+        (&["map", "--periods", "3"], "from 16"),
+        (&["map", "--align-periods", "301"], "from 0 to 300"),
+        (&["map", "--scheme", "euler"], "rk4"),
+        (&["map", "--backend", "tpu"], "auto"),
+        (&["map", "--backend", "gpu", "--precision", "f64"], "f32"),
+        (&["map", "--precision", "f32", "--set", "epsilon_0=1e-5"], "too thin"),
+        (&["map", "--initial-box=2:-2,0:1"], "lower end first"),
+        (&["map", "missing.toml"], "missing.toml"),
+        (&["map", "--from", "missing.png"], "missing.png"),
+        (&["map", long, "--y", "h1=0:2:40000"], "60000"),
+        (&["map", "--out", "/proc/nowhere/map"], "/proc/nowhere/map.zarr"),
+        (&["render", "missing.zarr"], "missing.zarr"),
+        (&["render", "map.png"], ".zarr"),
+        (&["point", "--x", "zeta_k=0:1:5"], "--x"),
+        (&["point", "--set", "x0=1e9"], "out of range"),
+    ] {
+        let output = tribochaos(folder.path(), args);
+        let stderr = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {stderr}");
+        assert!(stderr.contains(reason), "{args:?}: {reason} is not in: {stderr}");
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "nothing was written");
+}
+
+#[test]
+fn damaged_files_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    fs::write(path("unknown.toml"), "[settings]\nsteps = 5\n").unwrap();
+    assert_refused(
+        &tribochaos(folder.path(), &["map", "unknown.toml"]),
+        "unknown field `steps`",
+    );
+
+    assert!(small_map(folder.path(), &["--out", "m"]).status.success());
+    let picture = fs::read(path("m-period.png")).unwrap();
+    fs::write(path("half.png"), &picture[..picture.len() / 2]).unwrap();
+    assert_refused(&tribochaos(folder.path(), &["map", "--from", "half.png"]), "half.png");
+    fs::write(path("text.png"), "no picture").unwrap();
+    assert_refused(&tribochaos(folder.path(), &["map", "--from", "text.png"]), "text.png");
+    assert_refused(
+        &tribochaos(folder.path(), &["render", "m.zarr", "--limits", "1:0"]),
+        "lower one first",
+    );
+
+    fs::write(path("m.zarr/zarr.json"), "{").unwrap();
+    assert_refused(&tribochaos(folder.path(), &["render", "m.zarr"]), "m.zarr");
+    assert_refused(&small_map(folder.path(), &["--out", "m"]), "--force");
+}
+
+#[test]
+fn help_shows_the_parameters_and_the_classes() {
+    let folder = TempDir::new().unwrap();
+    let output = tribochaos(folder.path(), &["map", "--help"]);
+    let help = text(&output.stdout);
+    for said in [
+        "zeta_k",
+        "epsilon_0",
+        "ωₖ",
+        "half-width of the regularised friction layer",
+        "L - 3 S > 0",
+        "--align-periods",
+    ] {
+        assert!(help.contains(said), "{said}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_keeps_what_is_finished() {
+    use std::time::{Duration, Instant};
+    let folder = TempDir::new().unwrap();
+    // as many tiles as rows: a row is longer than a tile on any machine with few threads
+    let mut child = Command::new(cargo_bin!("tribochaos"))
+        .current_dir(folder.path())
+        .args([
+            "map",
+            "--x",
+            "zeta_k=0:12:2000",
+            "--y",
+            "h1=0:2:2000",
+            "--backend",
+            "cpu",
+            "--precision",
+            "f32",
+        ])
+        .args([
+            "--transient-periods",
+            "16",
+            "--align-periods",
+            "8",
+            "--periods",
+            "16",
+            "--steps-per-period",
+            "200",
+        ])
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let finished = folder.path().join("outputs/map.zarr/status/c");
+    let started = Instant::now();
+    while !finished.exists() {
+        assert!(started.elapsed() < Duration::from_secs(120), "no tile was written");
+        assert!(
+            child.try_wait().unwrap().is_none(),
+            "the map ended before it was interrupted"
+        );
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let killed = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(killed.success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("goes on from there"));
+    // what is finished can be drawn
+    assert!(
+        tribochaos(folder.path(), &["render", "outputs/map.zarr"])
+            .status
+            .success()
+    );
+}

@@ -1,0 +1,60 @@
+//! The store opens in Python's xarray as a labelled data set. Where Python or xarray is missing the test is skipped,
+//! unless TRIBOCHAOS_REQUIRE_PYTHON is set.
+
+use std::process::Command;
+
+use tribochaos::experiment::Request;
+use tribochaos::grid::Axis;
+use tribochaos::measurement::{BackendKind, Class, Measurement, Status};
+use tribochaos::output::store::MapStore;
+
+#[test]
+fn xarray_opens_the_store() {
+    let found = Command::new("python3").args(["-c", "import xarray, zarr"]).output();
+    if !found.as_ref().is_ok_and(|output| output.status.success()) {
+        let required = std::env::var_os("TRIBOCHAOS_REQUIRE_PYTHON").is_some();
+        assert!(!required, "python3 with xarray and zarr is required: {found:?}");
+        eprintln!("skipped: python3 with xarray and zarr is not there");
+        return;
+    }
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("sample.zarr");
+    let x = Axis::parse("zeta_k=0:12:7").unwrap();
+    // an axis and quantities whose names are alike: x0, x, x_min
+    let y = Axis::parse("x0=1:-1:5").unwrap();
+    let experiment = Request {
+        x,
+        y,
+        ..Request::default()
+    }
+    .resolve()
+    .unwrap();
+    let mut store = MapStore::create(&path, &experiment, [2, 3]).unwrap();
+    store
+        .set_attribute("devices", serde_json::json!(["a processor"]))
+        .unwrap();
+    for tile in store.tiles().skip(1) {
+        let measurements: Vec<Measurement> = tile.indices(x.count).map(measurement).collect();
+        store.write_tile(&tile, &measurements).unwrap();
+    }
+
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/xarray_opens.py");
+    let output = Command::new("python3").arg(script).arg(&path).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// Known to `xarray_opens.py`: the exponent tells the point's index; the last point ran away.
+fn measurement(index: usize) -> Measurement {
+    if index == 34 {
+        return Measurement::runaway(100.0, BackendKind::GpuF32);
+    }
+    Measurement {
+        status: Status::Ok,
+        class: Some(Class::Regular),
+        lyapunov: -(index as f64) / 8.0,
+        period: index.is_multiple_of(2).then_some(4),
+        x: 0.25,
+        ..Measurement::runaway(0.0, BackendKind::CpuF64)
+    }
+}
