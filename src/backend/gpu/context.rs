@@ -3,7 +3,7 @@
 //! Owns the device and turns every way it can fail into a [`BackendError`]; knows nothing of batches.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use super::adapter::{self, AdapterDescription};
@@ -59,14 +59,15 @@ impl GpuContext {
         .map_err(|error| BackendError::NoDevice(format!("{description} does not open: {error}")))?;
         let faults = Faults::watching(&device);
         let pipelines = Pipelines::new(&device, workgroup_size);
-        faults.check()?;
-        Ok(Self {
+        let context = Self {
             device,
             queue,
             description,
             faults,
             pipelines,
-        })
+        };
+        context.check()?;
+        Ok(context)
     }
 
     pub fn description(&self) -> &AdapterDescription {
@@ -87,26 +88,35 @@ impl GpuContext {
 
     /// Fails with what has gone wrong since the last call; wgpu's calls themselves report nothing.
     pub(super) fn check(&self) -> Result<(), BackendError> {
-        self.faults.check()
+        if let Some(error) = self.faults.take_error() {
+            // whatever is asked of a lost device is an error, and the loss is reported only when it is polled for
+            let _ = self.poll(wgpu::PollType::Poll);
+            self.faults.check_not_lost()?;
+            return Err(error);
+        }
+        self.faults.check_not_lost()
     }
 
     /// Waits until the device has done all it was given.
     pub(super) fn wait(&self) -> Result<(), BackendError> {
-        let wait = wgpu::PollType::Wait {
+        let waited = self.poll(wgpu::PollType::Wait {
             submission_index: None,
             timeout: Some(PATIENCE),
-        };
-        // where the driver reports a loss while it is waited for, wgpu panics instead of returning
-        let waited = catch_unwind(AssertUnwindSafe(|| self.device.poll(wait)));
+        });
         self.check()?;
-        match waited {
+        waited
+    }
+
+    fn poll(&self, poll: wgpu::PollType) -> Result<(), BackendError> {
+        // where the driver reports a loss while it is polled, wgpu panics instead of returning
+        match catch_unwind(AssertUnwindSafe(|| self.device.poll(poll))) {
             Ok(Ok(_)) => Ok(()),
             Ok(Err(wgpu::PollError::Timeout)) => Err(BackendError::DeviceLost(format!(
                 "it did not answer for {} s",
                 PATIENCE.as_secs()
             ))),
             Ok(Err(error)) => Err(BackendError::Internal(error.to_string())),
-            Err(_) => Err(BackendError::DeviceLost("its driver reported no reason".to_owned())),
+            Err(_) => Err(BackendError::DeviceLost("its driver gave no reason".to_owned())),
         }
     }
 }
@@ -179,18 +189,23 @@ impl Faults {
         faults
     }
 
-    fn check(&self) -> Result<(), BackendError> {
-        let error = self.error.lock().unwrap_or_else(PoisonError::into_inner).take();
-        if let Some(reason) = &*self.lost.lock().unwrap_or_else(PoisonError::into_inner) {
-            return Err(BackendError::DeviceLost(reason.clone()));
+    fn take_error(&self) -> Option<BackendError> {
+        lock(&self.error).take()
+    }
+
+    fn check_not_lost(&self) -> Result<(), BackendError> {
+        match &*lock(&self.lost) {
+            Some(reason) => Err(BackendError::DeviceLost(reason.clone())),
+            None => Ok(()),
         }
-        error.map_or(Ok(()), Err)
     }
 }
 
 fn set_first<T>(place: &Mutex<Option<T>>, value: T) {
-    place
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner)
-        .get_or_insert(value);
+    lock(place).get_or_insert(value);
+}
+
+/// A panic elsewhere leaves nothing half done here.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

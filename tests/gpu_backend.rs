@@ -1,0 +1,293 @@
+//! The GPU backend as a backend: its limits, its errors, and that no cutting into batches and dispatches shows.
+
+mod gpu_context;
+mod points;
+
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use tribochaos::backend::cpu::CpuBackend;
+use tribochaos::backend::gpu::{GpuBackend, GpuContext};
+use tribochaos::backend::{Backend, BackendError, Slice, Stage, measure_batch};
+use tribochaos::experiment::{Precision, Settings};
+use tribochaos::measurement::{Measurement, Status};
+use tribochaos::parameters::{Parameter, ParameterSet};
+
+use points::line;
+
+fn measure(backend: &mut dyn Backend, settings: &Settings, instances: &[ParameterSet]) -> Vec<Measurement> {
+    measure_batch(backend, settings, instances, &mut |_| ControlFlow::Continue(()))
+        .unwrap()
+        .expect("nothing breaks the run off")
+}
+
+fn cheap() -> Settings {
+    Settings {
+        steps_per_period: 100,
+        transient_periods: 20,
+        align_periods: 10,
+        periods: 40,
+        ..Settings::default()
+    }
+}
+
+/// All of a measurement; floats in full.
+fn text(measurements: &[Measurement]) -> Vec<String> {
+    measurements
+        .iter()
+        .map(|measurement| format!("{measurement:?}"))
+        .collect()
+}
+
+#[test]
+fn a_batch_of_more_workgroups_than_a_dispatch_may_have_is_carried_on_whole() {
+    let Some(context) = gpu_context::or_skip(GpuContext::open_with_workgroup_size(None, true, 1)) else {
+        return;
+    };
+    let settings = Settings {
+        steps_per_period: 8,
+        ..Settings::default()
+    };
+    let instances = line(70_000);
+    let mut gpu = GpuBackend::new(context);
+    let mut cpu = CpuBackend::new(Precision::F32);
+    let mut ends = Vec::new();
+    for backend in [&mut gpu as &mut dyn Backend, &mut cpu] {
+        backend.load(&settings, &instances).unwrap();
+        let slice = Slice {
+            stage: Stage::Transient,
+            first: 0,
+            periods: 1,
+            elapsed: 0,
+        };
+        backend.advance(&slice).unwrap();
+        ends.push(backend.end_states().unwrap());
+    }
+    for (i, (a, b)) in ends[0].iter().zip(&ends[1]).enumerate() {
+        assert!((a.x - b.x).abs() < 1e-4 && (a.y - b.y).abs() < 1e-4, "{i}: {a:?} {b:?}");
+    }
+}
+
+#[test]
+fn neither_the_batch_nor_what_ran_before_shows_in_the_results() {
+    let Some(context) = gpu_context::open() else { return };
+    let (settings, instances) = (cheap(), line(300));
+    let mut backend = GpuBackend::new(context);
+    let all = text(&measure(&mut backend, &settings, &instances));
+    // smaller batches in the same buffers
+    let mut parts = text(&measure(&mut backend, &settings, &instances[..100]));
+    parts.extend(text(&measure(&mut backend, &settings, &instances[100..])));
+    assert_eq!(parts, all);
+    // a longer measurement in between needs new buffers
+    let longer = Settings {
+        periods: 60,
+        ..settings.clone()
+    };
+    measure(&mut backend, &longer, &instances[..7]);
+    assert_eq!(text(&measure(&mut backend, &settings, &instances)), all);
+    assert!(measure(&mut backend, &settings, &[]).is_empty());
+}
+
+#[test]
+fn slices_add_up_and_sums_are_collected_once() {
+    let Some(context) = gpu_context::open() else { return };
+    let (settings, instances) = (cheap(), line(50));
+    let mut backend = GpuBackend::new(context);
+    let mut run = |cuts: &[u32]| {
+        backend.load(&settings, &instances).unwrap();
+        let mut first = 0;
+        for &periods in cuts {
+            backend
+                .advance(&Slice {
+                    stage: Stage::Measure,
+                    first,
+                    periods,
+                    elapsed: first,
+                })
+                .unwrap();
+            first += periods;
+        }
+        let sums = backend.collect().unwrap();
+        assert!(
+            backend
+                .collect()
+                .unwrap()
+                .iter()
+                .all(|sums| sums.growth == [0.0; 2] && sums.divergence == 0.0)
+        );
+        (sums, backend.end_states().unwrap())
+    };
+    let (whole, whole_ends) = run(&[40]);
+    let (cut, cut_ends) = run(&[1, 2, 17, 20]);
+    assert_eq!(format!("{whole_ends:?}"), format!("{cut_ends:?}"));
+    for (a, b) in whole.iter().zip(&cut) {
+        assert_eq!(a.growth, b.growth);
+        assert_eq!(a.divergence, b.divergence);
+        assert_eq!(a.birkhoff, b.birkhoff);
+    }
+}
+
+#[test]
+fn runaways_are_found_in_the_same_period_as_on_the_cpu() {
+    let Some(context) = gpu_context::open() else { return };
+    let settings = Settings {
+        transient_periods: 20,
+        align_periods: 5,
+        periods: 20,
+        ..Settings::default()
+    };
+    // bounded orbits; softening springs, which let go in finite time and end as NaN; and x' = y = x = 1e4 at
+    // tau = pi (k + 1/2), the middle of period k + 1 (k below 16: smaller states become denormal, which some GPUs flush)
+    let instances: Vec<ParameterSet> = (0..96)
+        .map(|i| {
+            let set = ParameterSet::default();
+            let linear = 1e4 * (-PI * (f64::from(i / 3 % 16) + 0.5)).exp();
+            match i % 3 {
+                0 => set,
+                1 => set.with(Parameter::B, -0.02 * f64::from(i)),
+                _ => set
+                    .with(Parameter::B, 0.0)
+                    .with(Parameter::Epsilon, 0.0)
+                    .with(Parameter::X0, linear)
+                    .with(Parameter::Y0, linear),
+            }
+        })
+        .collect();
+    let gpu = measure(&mut GpuBackend::new(context), &settings, &instances);
+    for precision in [Precision::F32, Precision::F64] {
+        let cpu = measure(&mut CpuBackend::new(precision), &settings, &instances);
+        for (i, (a, b)) in gpu.iter().zip(&cpu).enumerate() {
+            assert_eq!(a.status, b.status, "{i}");
+            match i % 3 {
+                0 => assert_eq!(a.status, Status::Ok, "{i}"),
+                1 => assert!(matches!(a.status, Status::Runaway { .. }), "{i}: {:?}", a.status),
+                _ => {
+                    let time = (i / 3 % 16 + 1) as f64 * PI;
+                    assert_eq!(a.status, Status::Runaway { time }, "{i}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_device_lost_in_the_middle_of_a_run_is_reported_at_once() {
+    let Some(context) = gpu_context::open() else { return };
+    let device = context.device().clone();
+    let mut backend = GpuBackend::new(context);
+    let instances = line(64);
+    let mut lost_at = None;
+    let mut slices = 0;
+    let result = measure_batch(&mut backend, &Settings::default(), &instances, &mut |_| {
+        slices += 1;
+        if slices == 3 {
+            device.destroy();
+            lost_at = Some(Instant::now());
+        }
+        assert!(slices <= 3, "no slice is carried out after the loss");
+        ControlFlow::Continue(())
+    });
+    assert!(matches!(result, Err(BackendError::DeviceLost(_))), "{result:?}");
+    assert!(lost_at.unwrap().elapsed() < Duration::from_secs(5));
+    // and so is every later use
+    for _ in 0..2 {
+        let error = backend.load(&Settings::default(), &instances).unwrap_err();
+        assert!(matches!(error, BackendError::DeviceLost(_)), "{error}");
+    }
+    assert!(matches!(backend.end_states(), Err(BackendError::DeviceLost(_))));
+}
+
+#[test]
+fn a_device_lost_while_it_computes_is_reported_at_once() {
+    let Some(context) = gpu_context::open() else { return };
+    let device = context.device().clone();
+    let mut backend = GpuBackend::new(context);
+    let killer = thread::spawn(move || {
+        thread::sleep(Duration::from_millis(300));
+        device.destroy();
+        Instant::now()
+    });
+    let endless = Settings {
+        transient_periods: 10_000_000,
+        ..Settings::default()
+    };
+    let result = measure_batch(&mut backend, &endless, &line(512), &mut |_| ControlFlow::Continue(()));
+    let lost_at = killer.join().unwrap();
+    assert!(matches!(result, Err(BackendError::DeviceLost(_))), "{result:?}");
+    assert!(lost_at.elapsed() < Duration::from_secs(5));
+}
+
+#[test]
+fn a_device_lost_before_a_batch_is_loaded_is_reported_as_lost() {
+    let Some(context) = gpu_context::open() else { return };
+    context.device().destroy();
+    let mut backend = GpuBackend::new(context);
+    let result = backend.load(&cheap(), &line(10));
+    assert!(matches!(result, Err(BackendError::DeviceLost(_))), "{result:?}");
+}
+
+#[test]
+fn what_the_gpu_cannot_do_is_refused_with_a_remedy() {
+    let Some(context) = gpu_context::open() else { return };
+    let mut backend = GpuBackend::new(context);
+    let set = ParameterSet::default();
+    let mut refusal = |settings: &Settings, instances: &[ParameterSet]| {
+        let error = backend.load(settings, instances).unwrap_err();
+        assert!(matches!(error, BackendError::Unsupported(_)), "{error:?}");
+        error.to_string()
+    };
+    let many_steps = |steps_per_period| Settings {
+        steps_per_period,
+        ..Settings::default()
+    };
+    let message = refusal(&many_steps(8193), &[set]);
+    assert!(
+        message.contains("8193") && message.contains("8192") && message.contains("--backend cpu"),
+        "{message}"
+    );
+    let message = refusal(&Settings::default(), &[set, set.with(Parameter::Epsilon0, 1e-5)]);
+    assert!(
+        message.contains("epsilon_0") && message.contains("--backend cpu"),
+        "{message}"
+    );
+    backend.load(&many_steps(8192), &[set]).unwrap();
+}
+
+#[test]
+fn a_batch_larger_than_a_buffer_is_refused_and_a_smaller_one_taken() {
+    let Some(context) = gpu_context::open() else { return };
+    let limits = context.device().limits();
+    let most = (limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / 256) as usize;
+    if most > 1 << 20 {
+        return eprintln!("skipped: this device's buffers are too large to overflow in a test");
+    }
+    let mut backend = GpuBackend::new(context);
+    assert!(backend.batch_size() <= most);
+    let instances = vec![ParameterSet::default(); most + 1];
+    let error = backend.load(&cheap(), &instances).unwrap_err();
+    assert!(error.to_string().contains(&most.to_string()), "{error}");
+    backend.load(&cheap(), &instances[..1]).unwrap();
+}
+
+#[test]
+fn adapters_are_chosen_by_name_and_software_only_where_allowed() {
+    let adapters = tribochaos::backend::gpu::adapters();
+    let error = GpuContext::open(Some("no such thing"), true).err().unwrap();
+    assert!(matches!(error, BackendError::NoDevice(_)), "{error}");
+    let Some(first) = adapters.first() else {
+        return drop(gpu_context::open());
+    };
+    let context = gpu_context::or_skip(GpuContext::open(Some(&first.name.to_uppercase()), true)).unwrap();
+    assert_eq!(context.description().name, first.name);
+    let backend = GpuBackend::new(context);
+    assert!(backend.device().contains(&first.name) && backend.device().ends_with("f32"));
+    if first.is_software {
+        let message = GpuContext::open(None, false).err().unwrap().to_string();
+        assert!(
+            message.contains(&first.name) && message.contains("--backend cpu"),
+            "{message}"
+        );
+    }
+}

@@ -1,0 +1,332 @@
+//! Twins give the same values: their functions on random inputs.
+
+mod gpu_context;
+
+use tribochaos::backend::gpu::{GpuContext, shader_source};
+use tribochaos::dynamics::rk4::{self, StageSpeeds, State, StepSize};
+use tribochaos::dynamics::tangent::{Bases, Vector};
+use tribochaos::measurement::RUNAWAY_BOUND;
+use tribochaos::model::friction::Friction;
+use tribochaos::model::motion::Motion;
+use tribochaos::parameters::Parameter;
+
+/// Evaluates every function of the twins at one sample a thread.
+const PROBE: &str = "
+struct Sample { parameters: Parameters, speed: StageSpeeds, state: State, bases: Bases }
+struct Probe {
+    force: f32, slope: f32,
+    linearised: Linearised,
+    stepped: State, with_tangent: State, bases: Bases, divergence: f32,
+    orthonormal: Bases, growth: Growth,
+}
+@group(0) @binding(10) var<storage, read> samples: array<Sample>;
+@group(0) @binding(11) var<storage, read_write> probes: array<Probe>;
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
+    let sample = samples[thread.x];
+    let motion = motion_new(sample.parameters);
+    let h = step_size_new(sample.parameters.step_size);
+    let v = sample.speed.start - sample.state.y;
+    let stepped = step_with_tangent(motion, h, sample.speed, sample.state, sample.bases);
+    let orthonormal = orthonormalise(sample.bases);
+    probes[thread.x] = Probe(
+        force(motion.friction, v), slope(motion.friction, v),
+        linearised(motion, sample.state.x, sample.state.y, sample.speed.start),
+        rk4_step(motion, h, sample.speed, sample.state), stepped.state, stepped.bases, stepped.divergence,
+        orthonormal.bases, orthonormal.growth,
+    );
+}
+";
+const SAMPLES: usize = 64 * 256;
+const INPUTS: usize = 19;
+const OUTPUTS: usize = 20;
+
+/// Uniform numbers in 0..1 from a linear congruence.
+struct Noise(u64);
+
+impl Noise {
+    fn unit(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn within(&mut self, low: f64, high: f64) -> f32 {
+        (low + (high - low) * self.unit()) as f32
+    }
+}
+
+/// The fields of the shader's `Sample`, in order. Half of the states slide inside the friction layer.
+fn sample(noise: &mut Noise) -> [f32; INPUTS] {
+    let epsilon_0 = 10f64.powf(-3.0 * noise.unit()) as f32;
+    let y = noise.within(-3.0, 3.0);
+    let start = if noise.unit() < 0.5 {
+        y + epsilon_0 * noise.within(-1.5, 1.5)
+    } else {
+        noise.within(-12.0, 12.0)
+    };
+    let change = noise.within(-0.02, 0.02);
+    [
+        noise.within(0.0, 12.0),
+        noise.within(-1.0, 2.0),
+        noise.within(-1.0, 1.0),
+        noise.within(-1.0, 2.0),
+        noise.within(0.0, 0.5),
+        noise.within(0.0, 1.0),
+        noise.within(-1.0, 1.0),
+        noise.within(-1.0, 1.0),
+        epsilon_0,
+        0.005,
+        start,
+        start + change,
+        start + 2.0 * change,
+        noise.within(-2.0, 2.0),
+        y,
+        noise.within(-1.0, 1.0),
+        noise.within(-1.0, 1.0),
+        noise.within(-1.0, 1.0),
+        noise.within(-1.0, 1.0),
+    ]
+}
+
+/// What the shader's `Probe` is on the CPU, and the size of the terms each value is made of: what a rounding
+/// error is relative to.
+fn expected(sample: &[f32; INPUTS]) -> ([f32; OUTPUTS], [f32; OUTPUTS]) {
+    let &[
+        zeta_k,
+        h1,
+        omega_k,
+        b,
+        epsilon,
+        f_0,
+        alpha,
+        beta,
+        epsilon_0,
+        step,
+        start,
+        middle,
+        end,
+        x,
+        y,
+        x1,
+        y1,
+        x2,
+        y2,
+    ] = sample;
+    let friction = Friction::<f32>::new(epsilon, f_0, alpha, beta, epsilon_0);
+    let motion = Motion::<f32>::new(|parameter| match parameter {
+        Parameter::ZetaK => zeta_k,
+        Parameter::H1 => h1,
+        Parameter::OmegaK => omega_k,
+        Parameter::B => b,
+        Parameter::Epsilon => epsilon,
+        Parameter::F0 => f_0,
+        Parameter::Alpha => alpha,
+        Parameter::Beta => beta,
+        Parameter::Epsilon0 => epsilon_0,
+        other => unreachable!("the equations of motion do not contain {other}"),
+    });
+    let h = StepSize::<f32>::new(|_| step.into());
+    let speed = StageSpeeds { start, middle, end };
+    let state = State { x, y };
+    let bases = Bases {
+        first: Vector { x: x1, y: y1 },
+        second: Vector { x: x2, y: y2 },
+    };
+    let linearised = motion.linearised(x, y, start);
+    let stepped = rk4::step(&motion, &h, speed, state);
+    let (with_tangent, tangent, divergence) = rk4::step_with_tangent(&motion, &h, speed, state, bases);
+    let mut orthonormal = bases;
+    let growth = orthonormal.orthonormalise();
+    let v = start - y;
+    let values = [
+        friction.force(v),
+        friction.slope(v),
+        linearised.acceleration,
+        linearised.by_x,
+        linearised.by_y,
+        stepped.x,
+        stepped.y,
+        with_tangent.x,
+        with_tangent.y,
+        tangent.first.x,
+        tangent.first.y,
+        tangent.second.x,
+        tangent.second.y,
+        divergence,
+        orthonormal.first.x,
+        orthonormal.first.y,
+        orthonormal.second.x,
+        orthonormal.second.y,
+        growth.first,
+        growth.second,
+    ];
+
+    let speeds = v.abs() + 3.0 * (middle - start).abs();
+    let force = epsilon * (f_0 + alpha.abs() * speeds + beta.abs() * speeds.powi(3));
+    let layer = 2.0 * epsilon * f_0 / epsilon_0;
+    let slope = layer + epsilon * (alpha.abs() + 3.0 * beta.abs() * speeds * speeds);
+    let by_x = 1.0 + 3.0 * b.abs() * x * x;
+    let by_y = slope + epsilon * h1.abs();
+    let acceleration = x.abs() * by_x + epsilon * h1.abs() * y.abs() + force;
+    // at later stages v itself is rounded, which the layer's steepness makes more of
+    let rounded_v = start.abs() + y.abs() + step * acceleration;
+    let acceleration_later = acceleration + slope * rounded_v;
+    let by_y_later = by_y + (layer / epsilon_0 + 6.0 * epsilon * beta.abs() * speeds) * rounded_v;
+    let y_end = y.abs() + step * acceleration_later;
+    let x_end = x.abs() + step * y_end;
+    let vector = |x: f32, y: f32| {
+        let y_end = y.abs() + step * (x.abs() * by_x + (y.abs() + step * x.abs() * by_x) * by_y_later);
+        [x.abs() + step * y_end, y_end]
+    };
+    let ([first_x, first_y], [second_x, second_y]) = (vector(x1, y1), vector(x2, y2));
+    // what Gram-Schmidt takes away is lost in digits
+    let lost = x2.hypot(y2) / growth.second.exp();
+    // the logarithm is off by up to 2^-21 near 1, four of f32's units of rounding
+    let values_size = [
+        force,
+        slope,
+        acceleration,
+        by_x,
+        by_y,
+        x_end,
+        y_end,
+        x_end,
+        y_end,
+        first_x,
+        first_y,
+        second_x,
+        second_y,
+        step * by_y_later,
+        1.0,
+        1.0,
+        lost,
+        lost,
+        4.0 + growth.first.abs(),
+        4.0 + lost + growth.second.abs(),
+    ];
+    (values, values_size)
+}
+
+#[test]
+fn functions_agree_to_a_few_roundings() {
+    let Some(context) = gpu_context::open() else { return };
+    let mut noise = Noise(1);
+    let samples: Vec<[f32; INPUTS]> = (0..SAMPLES).map(|_| sample(&mut noise)).collect();
+    let probes: Vec<[f32; OUTPUTS]> = evaluate(&context, PROBE, &samples);
+    let mut worst = [0f32; OUTPUTS];
+    for (sample, probe) in samples.iter().zip(&probes) {
+        let (values, sizes) = expected(sample);
+        for i in 0..OUTPUTS {
+            let error = (probe[i] - values[i]).abs() / (sizes[i] * f32::EPSILON);
+            assert!(
+                error.is_finite(),
+                "output {i}: {} for {} at {sample:?}",
+                probe[i],
+                values[i]
+            );
+            worst[i] = worst[i].max(error);
+        }
+    }
+    assert!(worst.iter().all(|&error| error < 8.0), "{worst:?}");
+}
+
+#[test]
+fn runaways_are_told_also_where_compilers_assume_that_there_is_no_nan() {
+    let Some(context) = gpu_context::open() else { return };
+    const PROBE: &str = "
+@group(0) @binding(10) var<storage, read> samples: array<vec2<f32>>;
+@group(0) @binding(11) var<storage, read_write> probes: array<u32>;
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
+    probes[thread.x] = select(0u, 1u, has_run_away(samples[thread.x].x, samples[thread.x].y));
+}
+";
+    let (bound, nan, infinity) = (RUNAWAY_BOUND as f32, f32::NAN, f32::INFINITY);
+    let cases = [
+        ([0.0, 0.0], false),
+        ([-1.0, 1e-40], false),
+        ([bound - 1.0, -0.5], false),
+        ([-bound, 0.0], true),
+        ([bound / 2.0, -bound / 2.0], true),
+        ([f32::MAX, f32::MAX], true),
+        ([0.0, -infinity], true),
+        ([infinity, -infinity], true),
+        ([nan, 0.0], true),
+        ([0.0, -nan], true),
+        ([nan, infinity], true),
+    ];
+    let mut samples = vec![[0.0; 2]; 64];
+    for (sample, (case, _)) in samples.iter_mut().zip(&cases) {
+        *sample = *case;
+    }
+    let probes = evaluate::<_, 1>(&context, PROBE, &samples);
+    for ([probe], (case, expected)) in probes.iter().zip(cases) {
+        assert_eq!(probe.to_bits(), u32::from(expected), "{case:?}");
+    }
+}
+
+/// What the kernel `probe`, appended to the shader, makes of the samples, one a thread: as many as whole workgroups
+/// of 64 hold.
+fn evaluate<const I: usize, const O: usize>(context: &GpuContext, probe: &str, samples: &[[f32; I]]) -> Vec<[f32; O]> {
+    let device = context.device();
+    let source = format!("{}{probe}", shader_source::SOURCE);
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("probe"),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    });
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("probe"),
+        layout: None,
+        module: &module,
+        entry_point: Some("probe"),
+        compilation_options: wgpu::PipelineCompilationOptions {
+            constants: &shader_source::constants(64),
+            ..Default::default()
+        },
+        cache: None,
+    });
+    let buffer = |size, usage| {
+        device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size,
+            usage,
+            mapped_at_creation: false,
+        })
+    };
+    use wgpu::BufferUsages as Usage;
+    let size = (samples.len() * size_of::<[f32; O]>()) as u64;
+    let input = buffer(size_of_val(samples) as u64, Usage::STORAGE | Usage::COPY_DST);
+    let output = buffer(size, Usage::STORAGE | Usage::COPY_SRC);
+    let staging = buffer(size, Usage::MAP_READ | Usage::COPY_DST);
+    context.queue().write_buffer(&input, 0, bytemuck::cast_slice(samples));
+    let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[
+            wgpu::BindGroupEntry {
+                binding: 10,
+                resource: input.as_entire_binding(),
+            },
+            wgpu::BindGroupEntry {
+                binding: 11,
+                resource: output.as_entire_binding(),
+            },
+        ],
+    });
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let mut pass = encoder.begin_compute_pass(&Default::default());
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &bindings, &[]);
+    pass.dispatch_workgroups(samples.len() as u32 / 64, 1, 1);
+    drop(pass);
+    encoder.copy_buffer_to_buffer(&output, 0, &staging, 0, size);
+    context.queue().submit([encoder.finish()]);
+    staging.slice(..).map_async(wgpu::MapMode::Read, |_| ());
+    device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    bytemuck::pod_collect_to_vec(&staging.slice(..).get_mapped_range().unwrap())
+}

@@ -1,0 +1,93 @@
+//! Twins give the same orbits: short trajectories to rounding, long ones in what is measured of them.
+
+mod gpu_context;
+mod points;
+
+use std::ops::ControlFlow;
+
+use tribochaos::backend::cpu::CpuBackend;
+use tribochaos::backend::gpu::GpuBackend;
+use tribochaos::backend::{Backend, Slice, Stage, measure_batch};
+use tribochaos::experiment::{Precision, Settings};
+use tribochaos::measurement::Class;
+
+use points::line;
+
+#[test]
+fn short_trajectories_part_no_faster_than_roundings_add_up() {
+    let Some(context) = gpu_context::open() else { return };
+    let (settings, instances) = (Settings::default(), line(256));
+    let mut gpu = GpuBackend::new(context);
+    for precision in [Precision::F32, Precision::F64] {
+        let mut cpu = CpuBackend::new(precision);
+        gpu.load(&settings, &instances).unwrap();
+        cpu.load(&settings, &instances).unwrap();
+        for first in 0..5 {
+            let slice = Slice {
+                stage: Stage::Measure,
+                first,
+                periods: 1,
+                elapsed: first,
+            };
+            gpu.advance(&slice).unwrap();
+            cpu.advance(&slice).unwrap();
+            let ends = gpu.end_states().unwrap().into_iter().zip(cpu.end_states().unwrap());
+            let worst = ends
+                .map(|(a, b)| {
+                    let distance = (a.x - b.x).abs() + (a.y - b.y).abs();
+                    distance.max((a.x_min - b.x_min).abs()).max((a.x_max - b.x_max).abs())
+                })
+                .fold(0.0, f64::max);
+            let sums = gpu.collect().unwrap().into_iter().zip(cpu.collect().unwrap());
+            let worst_sum = sums
+                .map(|(a, b)| {
+                    (0..2)
+                        .map(|i| (a.growth[i] - b.growth[i]).abs())
+                        .fold((a.divergence - b.divergence).abs(), f64::max)
+                })
+                .fold(0.0, f64::max);
+            let bound = 1.5e-7 * f64::from(settings.steps_per_period * (first + 1));
+            assert!(worst < bound, "{precision:?}, period {first}: {worst}");
+            // the tangent vectors feel where in a step the layer's boundary is crossed
+            assert!(worst_sum < 10.0 * bound, "{precision:?}, period {first}: {worst_sum}");
+        }
+    }
+}
+
+#[test]
+fn long_orbits_agree_closely_where_regular_and_within_their_errors_where_chaotic() {
+    let Some(context) = gpu_context::open() else { return };
+    let settings = Settings {
+        transient_periods: 150,
+        align_periods: 30,
+        periods: 600,
+        ..Settings::default()
+    };
+    let instances = line(192);
+    let measure = |backend: &mut dyn Backend| {
+        measure_batch(backend, &settings, &instances, &mut |_| ControlFlow::Continue(()))
+            .unwrap()
+            .expect("nothing breaks the run off")
+    };
+    let gpu = measure(&mut GpuBackend::new(context));
+    let cpu = measure(&mut CpuBackend::new(Precision::F64));
+    let (mut regular, mut chaotic) = (0, 0);
+    for (i, (a, b)) in gpu.iter().zip(&cpu).enumerate() {
+        let difference = (a.lyapunov - b.lyapunov).abs();
+        assert!(a.divergence_defect().abs() < 1e-4, "{i}: {a:?}");
+        if b.class == Some(Class::Regular) && b.period.is_some() && b.lyapunov < -0.03 {
+            assert_eq!((a.class, a.period), (b.class, b.period), "{i}");
+            let extremes = (a.x_min - b.x_min).abs().max((a.x_max - b.x_max).abs());
+            assert!(difference < 1e-4 && extremes < 1e-4, "{i}: {a:?} {b:?}");
+            regular += 1;
+        } else if b.lyapunov > 8.0 * b.lyapunov_error {
+            let error = a.lyapunov_error.hypot(b.lyapunov_error);
+            assert!(
+                a.class == Some(Class::Chaotic) && difference < 5.0 * error,
+                "{i}: {a:?} {b:?}"
+            );
+            chaotic += 1;
+        }
+    }
+    assert!(regular > 100 && chaotic > 15, "{regular} regular, {chaotic} chaotic");
+}
