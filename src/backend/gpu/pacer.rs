@@ -10,7 +10,7 @@ const TARGET: Duration = Duration::from_millis(75);
 /// A dispatch that lasts longer makes the next ones shorter.
 const LONGEST: Duration = Duration::from_millis(100);
 /// Steps of the first dispatch, short on any device.
-const FIRST_STEPS: f64 = (1 << 22) as f64;
+const FIRST_STEPS: u64 = 1 << 22;
 /// Most times longer that a dispatch is than one that was too short: a clock that rises, or a driver that compiles
 /// during the first dispatch, makes single timings doubtful.
 const FASTEST_GROWTH: f64 = 8.0;
@@ -25,11 +25,18 @@ pub struct Load {
     pub max_workgroups: u32,
 }
 
+impl Load {
+    /// Steps of one workgroup over so many periods.
+    fn workgroup_steps(&self, periods: u32) -> u64 {
+        u64::from(self.workgroup_size) * u64::from(self.steps_per_period) * u64::from(periods)
+    }
+}
+
 /// Learns from every dispatch how many steps the next may do.
 #[derive(Clone, Debug)]
 pub struct Pacer {
     /// Steps, summed over instances.
-    steps: f64,
+    steps: u64,
 }
 
 impl Default for Pacer {
@@ -41,16 +48,15 @@ impl Default for Pacer {
 impl Pacer {
     /// Periods that the whole batch is carried on by, of `left`: one at least, in as many dispatches as that takes.
     pub fn periods(&self, load: &Load, left: u32) -> u32 {
-        let steps = f64::from(load.instances) * f64::from(load.steps_per_period);
-        ((self.steps / steps) as u32).clamp(1, left)
+        let workgroups = load.instances.div_ceil(load.workgroup_size);
+        let periods = self.steps / (u64::from(workgroups.max(1)) * load.workgroup_steps(1));
+        periods.clamp(1, left.into()) as u32
     }
 
     /// Instances that the next dispatch carries on by `periods`, of `left`: whole workgroups, and ranges of nearly
     /// equal size, since a small last one would leave the device idle.
     pub fn instances(&self, load: &Load, periods: u32, left: u32) -> u32 {
-        let steps = f64::from(periods) * f64::from(load.steps_per_period);
-        let size = f64::from(load.workgroup_size);
-        let most = (self.steps / steps / size).clamp(1.0, f64::from(load.max_workgroups)) as u32;
+        let most = (self.steps / load.workgroup_steps(periods)).clamp(1, load.max_workgroups.into()) as u32;
         let workgroups = left.div_ceil(load.workgroup_size);
         let ranges = workgroups.div_ceil(most);
         (workgroups.div_ceil(ranges) * load.workgroup_size).min(left)
@@ -61,10 +67,10 @@ impl Pacer {
         let steps = f64::from(periods) * f64::from(instances) * f64::from(load.steps_per_period);
         let factor = TARGET.as_secs_f64() / elapsed.as_secs_f64().max(1e-9);
         if elapsed > LONGEST {
-            self.steps = steps * factor;
+            self.steps = (steps * factor) as u64;
         } else {
             // a dispatch that was short for want of work does not lower what is known to be possible
-            self.steps = self.steps.max(steps * factor.min(FASTEST_GROWTH));
+            self.steps = self.steps.max((steps * factor.min(FASTEST_GROWTH)) as u64);
         }
     }
 }
@@ -107,8 +113,8 @@ mod tests {
     fn dispatches_settle_between_the_bounds_on_slow_and_fast_devices() {
         for seconds_a_step in [2e-8, 2e-9, 1e-10, 3e-12] {
             let mut pacer = Pacer::default();
-            run(&mut pacer, &LOAD, 400, seconds_a_step);
-            let settled = run(&mut pacer, &LOAD, 400, seconds_a_step);
+            run(&mut pacer, &LOAD, 4000, seconds_a_step);
+            let settled = run(&mut pacer, &LOAD, 4000, seconds_a_step);
             let longest = settled.iter().map(|dispatch| dispatch.2).fold(0.0, f64::max);
             let mean = settled.iter().map(|dispatch| dispatch.2).sum::<f64>() / settled.len() as f64;
             assert!(longest <= LONGEST.as_secs_f64(), "{seconds_a_step}: {longest}");
@@ -142,7 +148,7 @@ mod tests {
             workgroup_size: 1,
             ..LOAD
         };
-        let pacer = Pacer { steps: 1e12 };
+        let pacer = Pacer { steps: 1 << 40 };
         let counts: Vec<u32> = run(&mut pacer.clone(), &load, 1, 1e-12)
             .iter()
             .map(|dispatch| dispatch.1)
@@ -152,7 +158,7 @@ mod tests {
 
     #[test]
     fn even_one_workgroup_s_period_is_dispatched_when_nothing_smaller_is_possible() {
-        let pacer = Pacer { steps: 1.0 };
+        let pacer = Pacer { steps: 1 };
         assert_eq!(pacer.periods(&LOAD, 16), 1);
         assert_eq!(pacer.instances(&LOAD, 1, LOAD.instances), 64);
         assert_eq!(pacer.instances(&LOAD, 1, 5), 5);
