@@ -8,8 +8,8 @@
 //! - [`lanes`], [`model`], [`dynamics`]: numbers, physics, and algorithms over the physics;
 //! - [`measurement`]: what is measured of a point, and the classes of motion;
 //! - [`backend`]: batches of instances on the CPU or a GPU;
-//! - [`sweep`]: from a grid to measurements, and the audit of them;
 //! - [`map`]: measurements over two axes, and the threshold of chaos;
+//! - [`sweep`]: from a grid to measurements, and the audit of maps;
 //! - [`output`]: stores, pictures and tables of maps.
 //!
 //! One point, ten lines:

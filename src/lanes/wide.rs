@@ -3,6 +3,11 @@
 //! Owns nothing but the repetition: one vector in flight waits for its own latency, four hide it. Over plain scalars
 //! it is also the portable lane type, which the compiler vectorises for the machine's baseline.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "arrays are walked side by side: indices say so best"
+)]
+
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Mask, Real};

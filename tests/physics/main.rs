@@ -1,0 +1,12 @@
+//! The physics, checked against what is known without this program: exact exponents, published figures, an independent
+//! integrator, and relations that every correct result fulfils.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod classes;
+mod exponents;
+mod lanes;
+mod oracle;
+mod statistics;
+mod tangent;
