@@ -37,12 +37,16 @@ pub enum BackendKind {
     GpuF32,
 }
 
-/// The weighted Birkhoff average of a quasi-periodic orbit's exponent lies within this of zero.
+/// The weighted Birkhoff average of a quasi-periodic orbit's exponent lies within this of zero...
 pub const QUASI_PERIODIC_BOUND: f64 = 1e-3;
+
+/// ...and its standard error below this. The growth along such an orbit only swings, so that its mean converges fast;
+/// where it does not, an average near zero is chance.
+pub const QUASI_PERIODIC_ERROR: f64 = 5e-3;
 
 /// A cycle along which the growth is positive and the exponent's standard error below this: the orbit began on an
 /// unstable cycle and never left it, which is not chaos.
-const CONSTANT_GROWTH: f64 = 1e-9;
+const CONSTANT_GROWTH: f64 = 1e-6;
 
 /// The cycle on which an orbit was found at the end of its run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +66,7 @@ impl Class {
     /// - regular: settled on a cycle that attracts (a chaotic transient may have come before);
     /// - chaotic: `lyapunov - 3 error > 0`;
     /// - regular: `lyapunov + 3 error < 0`, or on a cycle;
-    /// - quasi-periodic: `|birkhoff| <` [`QUASI_PERIODIC_BOUND`];
+    /// - quasi-periodic: `|birkhoff| <` [`QUASI_PERIODIC_BOUND`] and `error <` [`QUASI_PERIODIC_ERROR`];
     /// - undecided: all else.
     pub fn of(lyapunov: f64, error: f64, cycle: Option<Cycle>, birkhoff: f64) -> Self {
         // a laminar phase of chaos can pass for a cycle, but does not attract
@@ -73,7 +77,7 @@ impl Class {
             Self::Chaotic
         } else if lyapunov + 3.0 * error < 0.0 || cycle.is_some() {
             Self::Regular
-        } else if birkhoff.abs() < QUASI_PERIODIC_BOUND {
+        } else if birkhoff.abs() < QUASI_PERIODIC_BOUND && error < QUASI_PERIODIC_ERROR {
             Self::QuasiPeriodic
         } else {
             Self::Undecided
@@ -132,13 +136,14 @@ pub struct Measurement {
     pub lyapunov: f64,
     /// Its standard error, by batch means.
     pub lyapunov_error: f64,
-    /// The smaller of the two non-trivial exponents.
+    /// The smaller of the two non-trivial exponents; equal to the maximal one where the tangent vectors rotate.
     pub lyapunov_second: f64,
     /// Mean divergence of the flow, which the sum of the two exponents equals.
     pub divergence: f64,
     /// Weighted Birkhoff average of the maximal exponent.
     pub lyapunov_birkhoff: f64,
-    /// Least number of forcing periods after which the motion repeats; None unless settled on a cycle.
+    /// Least number of forcing periods after which the motion repeats; None unless settled on a cycle that attracts
+    /// strongly enough for the run to have reached it.
     pub period: Option<u32>,
     /// Last stroboscopic state, at drive phase 0.
     pub x: f64,
@@ -322,6 +327,11 @@ mod tests {
         assert_eq!(Class::of(-0.1, 0.01, None, -0.1), Class::Regular);
         assert_eq!(Class::of(-0.001, 0.01, cycle(0.001), -0.001), Class::Regular);
         assert_eq!(Class::of(1e-4, 1e-3, None, 9e-4), Class::QuasiPeriodic);
+        assert_eq!(
+            Class::of(1e-4, 1e-2, None, 9e-4),
+            Class::Undecided,
+            "an average near zero by chance"
+        );
         assert_eq!(Class::of(0.01, 0.01, None, 0.01), Class::Undecided);
     }
 }

@@ -214,7 +214,12 @@ impl Growth {
             return Measurement::runaway(f64::from(period) * period_time, backend);
         }
         let time = f64::from(settings.periods) * period_time;
-        let lyapunov = self.total.growth[0] / time;
+        let [mut lyapunov, mut lyapunov_second] = self.total.growth.map(|growth| growth / time);
+        if lyapunov < lyapunov_second {
+            // the vectors rotate: the two exponents are equal, and only their sum is free of the rotation
+            let mean = 0.5 * (lyapunov + lyapunov_second);
+            (lyapunov, lyapunov_second) = (mean, mean);
+        }
         let lyapunov_error = statistics::standard_error(&self.batches) / period_time;
         let lyapunov_birkhoff = self.total.birkhoff / period_time;
         let window = stroboscope::window(settings.periods);
@@ -228,10 +233,12 @@ impl Growth {
             class: Some(class),
             lyapunov,
             lyapunov_error,
-            lyapunov_second: self.total.growth[1] / time,
+            lyapunov_second,
             divergence: self.total.divergence / time,
             lyapunov_birkhoff,
-            period: cycle.filter(|_| class == Class::Regular).map(|cycle| cycle.period),
+            period: cycle
+                .filter(|cycle| class == Class::Regular && reached(cycle, lyapunov, settings, period_time))
+                .map(|cycle| cycle.period),
             x: end.x,
             y: end.y,
             x_min: end.x_min,
@@ -241,4 +248,16 @@ impl Growth {
             backend,
         }
     }
+}
+
+/// Whether the run was long enough for the cycle's attraction to bring a disturbance of order 1 well below the
+/// tolerance of the period. A spiral that still decays slowly returns near itself after some odd number of periods, which
+/// is not its period. After a chaotic transient only the last periods are known to have been on the cycle.
+fn reached(cycle: &Cycle, lyapunov: f64, settings: &Settings, period_time: f64) -> bool {
+    let (rate, periods) = if lyapunov < 0.0 {
+        (lyapunov, settings.transient_periods + settings.periods)
+    } else {
+        (cycle.growth_rate, stroboscope::window(settings.periods))
+    };
+    -rate * f64::from(periods) * period_time > (10.0 / settings.period_tolerance).ln()
 }
