@@ -301,6 +301,20 @@ impl Experiment {
                  limit of stability): sticking will be wrong; use --steps-per-period {enough} or more"
             ));
         }
+        // between two renormalisations the second tangent vector shrinks against the first by up to this exponent
+        let every = self.settings.renormalise_every.min(self.settings.steps_per_period);
+        let shrinkage = rate * step * f64::from(every);
+        let digits = match self.settings.precision {
+            Some(Precision::F64) => -f64::EPSILON.ln(),
+            Some(Precision::F32) | None => -f64::from(f32::EPSILON).ln(),
+        };
+        if shrinkage > digits {
+            let enough = (f64::from(every) * 0.5 * digits / shrinkage).floor().max(1.0);
+            warnings.push(format!(
+                "between two renormalisations the friction layer may turn both tangent vectors into one direction, and the \
+                 second exponent is lost: use --renormalise-every {enough}"
+            ));
+        }
         warnings
     }
 
@@ -404,10 +418,12 @@ mod tests {
     }
 
     #[test]
-    fn a_step_too_long_for_the_layer_is_warned_of() {
+    fn steps_and_renormalisations_too_far_apart_for_the_layer_are_warned_of() {
         let mut request = Request::default();
         assert!(request.resolve().unwrap().warnings().is_empty());
         request.set.insert("epsilon_0".into(), 1e-5);
-        assert!(request.resolve().unwrap().warnings()[0].contains("--steps-per-period"));
+        let warnings = request.resolve().unwrap().warnings();
+        assert!(warnings[0].contains("--steps-per-period"));
+        assert!(warnings[1].contains("--renormalise-every"));
     }
 }

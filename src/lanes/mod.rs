@@ -56,12 +56,15 @@ pub trait Real:
 
 /// One truth value a lane.
 pub trait Mask: Copy {
+    const LANES: usize;
     fn and(self, other: Self) -> Self;
     fn all(self) -> bool;
     fn lane(self, lane: usize) -> bool;
 }
 
 impl Mask for bool {
+    const LANES: usize = 1;
+
     #[inline(always)]
     fn and(self, other: Self) -> Self {
         self && other

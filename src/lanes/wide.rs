@@ -7,10 +7,22 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Mask, Real};
 
-/// `K` numbers side by side.
+/// `K` numbers side by side; the first `R::LANES` lanes are the first number's.
 #[derive(Clone, Copy, Debug)]
 #[repr(transparent)]
 pub struct Wide<R, const K: usize>([R; K]);
+
+impl<R: Copy, const K: usize> Wide<R, K> {
+    #[inline(always)]
+    pub fn from_parts(part: impl FnMut(usize) -> R) -> Self {
+        Self(std::array::from_fn(part))
+    }
+
+    #[inline(always)]
+    pub fn parts(self) -> [R; K] {
+        self.0
+    }
+}
 
 // Loops over arrays rather than `array::from_fn`: a closure would not inherit the caller's instruction set unless it
 // is inlined, which nothing guarantees.
@@ -46,6 +58,8 @@ impl<R: Real, const K: usize> Neg for Wide<R, K> {
 }
 
 impl<M: Mask, const K: usize> Mask for [M; K] {
+    const LANES: usize = M::LANES * K;
+
     #[inline(always)]
     fn and(mut self, other: Self) -> Self {
         for k in 0..K {
@@ -63,8 +77,7 @@ impl<M: Mask, const K: usize> Mask for [M; K] {
     }
     #[inline(always)]
     fn lane(self, lane: usize) -> bool {
-        let lanes = lane / K;
-        self[lane % K].lane(lanes)
+        self[lane / M::LANES].lane(lane % M::LANES)
     }
 }
 
@@ -85,13 +98,13 @@ impl<R: Real, const K: usize> Real for Wide<R, K> {
     fn from_lanes(mut values: impl FnMut(usize) -> f64) -> Self {
         let mut out = Self([R::broadcast(R::scalar(0.0)); K]);
         for k in 0..K {
-            out.0[k] = R::from_lanes(|lane| values(lane * K + k));
+            out.0[k] = R::from_lanes(|lane| values(k * R::LANES + lane));
         }
         out
     }
     #[inline(always)]
     fn lane(self, lane: usize) -> f64 {
-        self.0[lane % K].lane(lane / K)
+        self.0[lane / R::LANES].lane(lane % R::LANES)
     }
     #[inline(always)]
     fn mul_add(mut self, factor: Self, addend: Self) -> Self {

@@ -29,6 +29,8 @@ macro_rules! x86_vector {
         // AVX-512 masks are plain integers, whose operations are safe
         #[allow(unused_unsafe)]
         impl Mask for $mask {
+            const LANES: usize = $lanes;
+
             #[inline(always)]
             fn and(self, other: Self) -> Self {
                 let ($ma, $mb) = (self.0, other.0);

@@ -338,11 +338,16 @@ fn bar(quantity: Quantity, cells: &[Cell], style: &Style) -> Result<Option<Bar>,
     }))
 }
 
-/// Limits around zero within which nearly all of the sorted values lie: a few extremes must not pale all the rest.
+/// Limits around zero, from sorted values. A few extremes must not pale all the rest; and where some values are
+/// positive, they set the scale: a chaotic exponent is small beside those of strongly damped motion, which is no reason
+/// to hide it.
 fn symmetric(values: &[f64]) -> (f64, f64) {
-    let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
-    sizes.sort_unstable_by(f64::total_cmp);
-    let reach = quantile(&sizes, 0.99);
+    let positive = &values[values.partition_point(|value| *value <= 0.0)..];
+    let reach = if positive.is_empty() {
+        quantile(values, 0.01).abs()
+    } else {
+        1.25 * quantile(positive, 0.99)
+    };
     // All values may be zero.
     let reach = if reach > 0.0 { round_up(reach) } else { 1.0 };
     (-reach, reach)

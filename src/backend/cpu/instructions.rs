@@ -1,0 +1,59 @@
+//! The vector instructions of this machine.
+//!
+//! Owns their detection; the lanes that use them are [`crate::lanes`]'.
+
+use crate::experiment::Precision;
+
+/// A set of vector instructions that the lanes are compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InstructionSet {
+    Avx512,
+    Avx2,
+    /// What every machine of the target has (on x86-64 SSE2, on aarch64 NEON).
+    Portable,
+}
+
+impl InstructionSet {
+    /// Those that this machine has, the fastest first.
+    pub fn available() -> Vec<Self> {
+        [Self::Avx512, Self::Avx2, Self::Portable]
+            .into_iter()
+            .filter(|set| set.is_available())
+            .collect()
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    fn is_available(self) -> bool {
+        match self {
+            Self::Avx512 => {
+                is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx2")
+                    && is_x86_feature_detected!("fma")
+            }
+            Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            Self::Portable => true,
+        }
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    fn is_available(self) -> bool {
+        self == Self::Portable
+    }
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Avx512 => "AVX-512",
+            Self::Avx2 => "AVX2 + FMA",
+            Self::Portable => "portable",
+        }
+    }
+
+    /// Numbers in one vector register; for the portable set, worked on together.
+    pub fn lanes(self, precision: Precision) -> usize {
+        match (self, precision) {
+            (Self::Avx512, Precision::F64) | (Self::Avx2, Precision::F32) => 8,
+            (Self::Avx512, Precision::F32) => 16,
+            (Self::Avx2, Precision::F64) | (Self::Portable, _) => 4,
+        }
+    }
+}
