@@ -73,38 +73,43 @@ fn rk4_step(motion: Motion, h: StepSize, speed: StageSpeeds, state: State) -> St
 fn step_with_tangent(motion: Motion, h: StepSize, speed: StageSpeeds, state: State, bases: Bases) -> StepWithTangent {
     let x = state.x;
     let y = state.y;
+    let first = bases.first;
+    let second = bases.second;
+
+    // every stage is used up as soon as it is known, so that little has to be held in registers
     let f1 = linearised(motion, x, y, speed.start);
+    let a1 = rate(first, f1);
+    let b1 = rate(second, f1);
     let at_2 = x2(h, x, y);
+    let first_2 = Vector(x2(h, first.x, first.y), fma(a1, h.half, first.y));
+    let second_2 = Vector(x2(h, second.x, second.y), fma(b1, h.half, second.y));
+
     let f2 = linearised(motion, at_2, fma(f1.acceleration, h.half, y), speed.middle);
+    let a2 = rate(first_2, f2);
+    let b2 = rate(second_2, f2);
     let at_3 = x3(h, at_2, f1.acceleration);
+    let first_3 = Vector(x3(h, first_2.x, a1), fma(a2, h.half, first.y));
+    let second_3 = Vector(x3(h, second_2.x, b1), fma(b2, h.half, second.y));
+
     let f3 = linearised(motion, at_3, fma(f2.acceleration, h.half, y), speed.middle);
+    let a3 = rate(first_3, f3);
+    let b3 = rate(second_3, f3);
     let at_4 = x4(h, x, y, f2.acceleration);
+    let first_4 = Vector(x4(h, first.x, first.y, a2), fma(a3, h.whole, first.y));
+    let second_4 = Vector(x4(h, second.x, second.y, b2), fma(b3, h.whole, second.y));
+
     let f4 = linearised(motion, at_4, fma(f3.acceleration, h.whole, y), speed.end);
+    let a4 = rate(first_4, f4);
+    let b4 = rate(second_4, f4);
+    let k1 = f1.acceleration;
+    let k2 = f2.acceleration;
+    let k3 = f3.acceleration;
     return StepWithTangent(
-        State(
-            x_end(h, x, y, f1.acceleration, f2.acceleration, f3.acceleration),
-            y_end(h, y, f1.acceleration, f2.acceleration, f3.acceleration, f4.acceleration),
+        State(x_end(h, x, y, k1, k2, k3), y_end(h, y, k1, k2, k3, f4.acceleration)),
+        Bases(
+            Vector(x_end(h, first.x, first.y, a1, a2, a3), y_end(h, first.y, a1, a2, a3, a4)),
+            Vector(x_end(h, second.x, second.y, b1, b2, b3), y_end(h, second.y, b1, b2, b3, b4)),
         ),
-        Bases(step_vector(h, f1, f2, f3, f4, bases.first), step_vector(h, f1, f2, f3, f4, bases.second)),
         y_end(h, 0.0, f1.by_y, f2.by_y, f3.by_y, f4.by_y),
     );
-}
-
-// One step of a tangent vector, given the linearisation at the four stages.
-fn step_vector(
-    h: StepSize,
-    f1: Linearised,
-    f2: Linearised,
-    f3: Linearised,
-    f4: Linearised,
-    vector: Vector,
-) -> Vector {
-    let x = vector.x;
-    let y = vector.y;
-    let k1 = apply(f1, x, y);
-    let at_2 = x2(h, x, y);
-    let k2 = apply(f2, at_2, fma(k1, h.half, y));
-    let k3 = apply(f3, x3(h, at_2, k1), fma(k2, h.half, y));
-    let k4 = apply(f4, x4(h, x, y, k2), fma(k3, h.whole, y));
-    return Vector(x_end(h, x, y, k1, k2, k3), y_end(h, y, k1, k2, k3, k4));
 }

@@ -47,6 +47,11 @@ fn orthonormalise(bases: Bases) -> Orthonormalised {
     );
 }
 
+// Y', the second row of (3.3); X' is Y.
+fn rate(vector: Vector, motion: Linearised) -> f32 {
+    return fma(vector.x, motion.by_x, motion.by_y * vector.y);
+}
+
 fn normalised(vector: Vector) -> Normalised {
     // a vector that has shrunk below the smallest number keeps no direction: it is taken as that small
     let square = max(fma(vector.x, vector.x, vector.y * vector.y), SMALLEST_SQUARE);

@@ -49,8 +49,3 @@ fn linearised(motion: Motion, x: f32, y: f32, shaft_speed: f32) -> Linearised {
         motion.minus_damping - slope(motion.friction, shaft_speed - y),
     );
 }
-
-// Rate of change of a tangent vector's y component, the second row of (3.3).
-fn apply(linearised: Linearised, x: f32, y: f32) -> f32 {
-    return fma(x, linearised.by_x, linearised.by_y * y);
-}
