@@ -3,6 +3,7 @@
 //! `TRIBOCHAOS_UPDATE_GOLDEN=1 cargo test --test golden` writes it anew; say in the commit why it changed.
 
 mod common;
+mod gpu_context;
 
 use std::fmt::Write;
 use std::fs;
@@ -12,6 +13,7 @@ use std::sync::LazyLock;
 use common::{measure_on, pinned_settings};
 use tribochaos::backend::Backend;
 use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
+use tribochaos::backend::gpu::GpuBackend;
 use tribochaos::experiment::Precision;
 use tribochaos::grid::{Axis, Grid};
 use tribochaos::measurement::{Class, Measurement};
@@ -175,12 +177,19 @@ fn the_coarse_map_is_the_golden_one_on_every_instruction_set() {
 
 /// Rounding to f32 moves the points at which an orbit meets the friction layer, and with them the exponents of cycles. One
 /// point in a hundred differs, by its class or by the multiple of the period that a barely stable cycle shows.
+const F32: Tolerance = Tolerance {
+    regular_exponent: 1e-3,
+    combined_errors: 4.0,
+    exceptions: 0.02,
+};
+
 #[test]
 fn the_coarse_map_in_single_precision_is_close_to_the_golden_one() {
-    let tolerance = Tolerance {
-        regular_exponent: 1e-3,
-        combined_errors: 4.0,
-        exceptions: 0.02,
-    };
-    assert_golden(&map_on(&mut CpuBackend::new(Precision::F32)), &tolerance, "f32");
+    assert_golden(&map_on(&mut CpuBackend::new(Precision::F32)), &F32, "f32");
+}
+
+#[test]
+fn the_coarse_map_on_a_gpu_is_close_to_the_golden_one() {
+    let Some(context) = gpu_context::open() else { return };
+    assert_golden(&map_on(&mut GpuBackend::new(context)), &F32, "GPU");
 }

@@ -214,12 +214,7 @@ impl Growth {
             return Measurement::runaway(f64::from(period) * period_time, backend);
         }
         let time = f64::from(settings.periods) * period_time;
-        let [mut lyapunov, mut lyapunov_second] = self.total.growth.map(|growth| growth / time);
-        if lyapunov < lyapunov_second {
-            // the vectors rotate: the two exponents are equal, and only their sum is free of the rotation
-            let mean = 0.5 * (lyapunov + lyapunov_second);
-            (lyapunov, lyapunov_second) = (mean, mean);
-        }
+        let [lyapunov, lyapunov_second] = statistics::exponents(self.total.growth.map(|growth| growth / time));
         let lyapunov_error = statistics::standard_error(&self.batches) / period_time;
         let lyapunov_birkhoff = self.total.birkhoff / period_time;
         let window = stroboscope::window(settings.periods);

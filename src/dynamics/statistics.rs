@@ -1,6 +1,6 @@
 //! Averages of a growth rate over one orbit, and how sure they are.
 //!
-//! Owns batch means and the weighted Birkhoff average; knows nothing of what grows.
+//! Owns batch means, the weighted Birkhoff average, and the order of the exponents; integrates nothing.
 
 use std::ops::Range;
 
@@ -58,6 +58,16 @@ pub fn birkhoff_weights(periods: u32) -> Vec<f64> {
     };
     let sum: f64 = (0..periods).map(weight).sum();
     (0..periods).map(|n| weight(n) / sum).collect()
+}
+
+/// The two exponents, the larger first, from the mean growth rates of the two tangent vectors. Where the second
+/// grows faster the vectors rotate: the exponents are equal, and only their sum is free of the rotation.
+pub fn exponents([first, second]: [f64; 2]) -> [f64; 2] {
+    if first < second {
+        [0.5 * (first + second); 2]
+    } else {
+        [first, second]
+    }
 }
 
 #[cfg(test)]

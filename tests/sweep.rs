@@ -1,0 +1,185 @@
+//! Whole maps: a GPU's against the CPU's, one whose GPU is lost on the way, several initial states, and the audit.
+
+mod gpu_context;
+
+use std::ops::ControlFlow;
+
+use tribochaos::backend::cpu::CpuBackend;
+use tribochaos::backend::gpu::GpuBackend;
+use tribochaos::experiment::{Experiment, Precision, Request, Settings};
+use tribochaos::grid::Axis;
+use tribochaos::map::ParameterMap;
+use tribochaos::measurement::{BackendKind, Class, Measurement, Quantity};
+use tribochaos::sweep::{Backends, Event, audit};
+
+fn experiment(x: &str, y: &str, settings: Settings) -> Experiment {
+    let request = Request {
+        x: Axis::parse(x).unwrap(),
+        y: Axis::parse(y).unwrap(),
+        settings,
+        ..Request::default()
+    };
+    request.resolve().unwrap()
+}
+
+fn cpu(precision: Precision) -> Backends {
+    Backends::new(Box::new(CpuBackend::new(precision)), None)
+}
+
+fn carry_on(_: Event<'_>) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+fn compute(backends: &mut Backends, experiment: &Experiment) -> Vec<Measurement> {
+    let indices: Vec<usize> = (0..experiment.grid.len()).collect();
+    backends
+        .measure(&experiment.grid, &experiment.settings, &indices, &mut carry_on)
+        .unwrap()
+        .expect("nothing breaks the sweep off")
+}
+
+fn map(experiment: &Experiment, measurements: &[Measurement]) -> ParameterMap {
+    let mut map = ParameterMap::new(experiment.clone());
+    for (index, measurement) in measurements.iter().enumerate() {
+        map.set(index, measurement);
+    }
+    map
+}
+
+/// Share of the points of a class in `a` that are of the same class in `b`; undecided points of either are left out.
+fn agreement(class: Class, a: &[Measurement], b: &[Measurement]) -> f64 {
+    let decided = |m: &Measurement| m.class.is_some_and(|class| class != Class::Undecided);
+    let both: Vec<_> = a
+        .iter()
+        .zip(b)
+        .filter(|(a, b)| a.class == Some(class) && decided(a) && decided(b))
+        .collect();
+    assert!(!both.is_empty(), "{class:?} does not occur");
+    both.iter().filter(|(a, b)| a.class == b.class).count() as f64 / both.len() as f64
+}
+
+#[test]
+fn classes_of_a_gpu_map_are_those_of_the_f64_map() {
+    let Some(context) = gpu_context::open() else { return };
+    let experiment = experiment("zeta_k=0:6:64", "h1=0:1.5:64", Settings::default());
+    let reference = compute(&mut cpu(Precision::F64), &experiment);
+    let gpu = compute(
+        &mut Backends::new(Box::new(GpuBackend::new(context)), None),
+        &experiment,
+    );
+    for class in [Class::Chaotic, Class::Regular, Class::QuasiPeriodic] {
+        for (a, b) in [(&reference, &gpu), (&gpu, &reference)] {
+            let share = agreement(class, a, b);
+            assert!(share >= 0.98, "{class:?}: {share}");
+        }
+    }
+    for measurements in [&reference, &gpu] {
+        let undecided = measurements
+            .iter()
+            .filter(|m| m.class == Some(Class::Undecided))
+            .count();
+        assert!(undecided as f64 <= 0.04 * measurements.len() as f64, "{undecided}");
+        let defect = measurements
+            .iter()
+            .map(|m| m.divergence_defect().abs())
+            .fold(0.0, f64::max);
+        assert!(defect < 1e-4, "{defect}");
+    }
+    assert!(gpu.iter().all(|m| m.backend == BackendKind::GpuF32));
+    let audit = audit::audit(&map(&experiment, &gpu), 32, &mut carry_on)
+        .unwrap()
+        .unwrap();
+    assert_eq!(audit.points(), 32);
+    assert_eq!(audit.classes[0].class, Class::Chaotic);
+    assert!(audit.passes(), "{audit:?}");
+}
+
+#[test]
+fn a_map_whose_gpu_is_lost_is_finished_on_the_cpu() {
+    let Some(context) = gpu_context::open() else { return };
+    let settings = Settings {
+        transient_periods: 120,
+        periods: 64,
+        ..Settings::default()
+    };
+    // three batches of a software adapter
+    let experiment = experiment("zeta_k=0:3:160", "h1=0.3:1.5:120", settings);
+    let undisturbed = compute(&mut cpu(Precision::F64), &experiment);
+
+    let device = context.device().clone();
+    let gpu = GpuBackend::new(context);
+    let batch = tribochaos::backend::Backend::batch_size(&gpu);
+    if batch >= experiment.grid.len() {
+        eprintln!("skipped: the GPU takes the whole map as one batch");
+        return;
+    }
+    let mut backends = Backends::new(Box::new(gpu), Some(Box::new(CpuBackend::new(Precision::F64))));
+    let indices: Vec<usize> = (0..experiment.grid.len()).collect();
+    let work = tribochaos::sweep::instance_periods(&experiment.settings, batch);
+    let (mut done, mut fell_back) = (0, Vec::new());
+    let mut observer = |event: Event<'_>| {
+        match event {
+            Event::Advanced(instance_periods) => {
+                done += instance_periods;
+                // in the middle of the second batch
+                if done > work * 3 / 2 && fell_back.is_empty() {
+                    device.destroy();
+                }
+            }
+            Event::FellBack { error, device } => fell_back.push(format!("{error}; {device}")),
+        }
+        ControlFlow::Continue(())
+    };
+    let measurements = backends
+        .measure(&experiment.grid, &experiment.settings, &indices, &mut observer)
+        .unwrap()
+        .unwrap();
+
+    assert_eq!(fell_back.len(), 1);
+    assert!(
+        fell_back[0].contains("lost") && fell_back[0].contains("CPU"),
+        "{fell_back:?}"
+    );
+    assert_eq!(measurements.len(), experiment.grid.len());
+    for (index, (m, reference)) in measurements.iter().zip(&undisturbed).enumerate() {
+        let kind = if index < batch {
+            BackendKind::GpuF32
+        } else {
+            BackendKind::CpuF64
+        };
+        assert_eq!(m.backend, kind, "point {index}");
+        let tolerance = (3.0 * m.lyapunov_error.hypot(reference.lyapunov_error)).max(1e-3);
+        assert!(
+            (m.lyapunov - reference.lyapunov).abs() <= tolerance,
+            "point {index}: {m:?} {reference:?}"
+        );
+    }
+    assert_eq!(
+        map(&experiment, &measurements).column(Quantity::Backend)[0],
+        f64::from(BackendKind::GpuF32 as u8)
+    );
+}
+
+#[test]
+fn the_largest_exponent_of_several_initial_states_is_reported() {
+    let several = Settings {
+        initial_states: 6,
+        transient_periods: 100,
+        periods: 100,
+        ..Settings::default()
+    };
+    let one = Settings {
+        initial_states: 1,
+        ..several.clone()
+    };
+    let [several, one] = [several, one]
+        .map(|settings| experiment("zeta_k=3:4.5:6", "h1=0.1:0.9:4", settings))
+        .map(|experiment| compute(&mut cpu(Precision::F64), &experiment));
+    for (several, one) in several.iter().zip(&one) {
+        // (x0, y0) is one of them
+        assert!(several.lyapunov >= one.lyapunov);
+        assert!((1..=6).contains(&several.attractors));
+        assert!((0.0..=1.0).contains(&several.chaotic_fraction));
+    }
+    assert!(several.iter().any(|m| m.attractors > 1) && several.iter().any(|m| m.chaotic_fraction > 0.0));
+}
