@@ -57,9 +57,9 @@ pub struct Settings {
     pub transient_periods: u32,
     /// The last periods of the transient, in which the tangent vectors turn to their directions (50).
     pub align_periods: u32,
-    /// Measured forcing periods (300).
+    /// Measured forcing periods (250).
     pub periods: u32,
-    /// Steps between two renormalisations of the tangent vectors (157); one ends every period besides.
+    /// Steps between two renormalisations of the tangent vectors (314); one ends every period besides.
     pub renormalise_every: u32,
     /// Two stroboscopic states are the same where x and y differ by less (1e-4).
     pub period_tolerance: f64,
@@ -89,8 +89,8 @@ impl Default for Settings {
             steps_per_period: 628,
             transient_periods: 300,
             align_periods: 50,
-            periods: 300,
-            renormalise_every: 157,
+            periods: 250,
+            renormalise_every: 314,
             period_tolerance: 1e-4,
             backend: BackendChoice::Auto,
             precision: None,

@@ -32,10 +32,10 @@ pub struct ExperimentArgs {
     /// Last periods of the transient, in which the tangent vectors turn to their directions [default: 50]
     #[arg(long, help_heading = "Numerical settings", value_name = "PERIODS")]
     pub align_periods: Option<u32>,
-    /// Measured forcing periods [default: 300]
+    /// Measured forcing periods [default: 250]
     #[arg(long, help_heading = "Numerical settings", value_name = "PERIODS")]
     pub periods: Option<u32>,
-    /// Steps between renormalisations of the tangent vectors, besides one at each period's end [default: 157]
+    /// Steps between renormalisations of the tangent vectors, besides one at each period's end [default: 314]
     #[arg(long, help_heading = "Numerical settings", value_name = "STEPS")]
     pub renormalise_every: Option<u32>,
     /// Stroboscopic states are the same where x and y differ by less [default: 1e-4]
