@@ -137,9 +137,10 @@ pub fn help() -> String {
         "\nClasses, by the maximal exponent L (the larger non-trivial one) and its standard error S:\n  \
          chaotic         L - 3 S > 0\n  \
          regular         L + 3 S < 0, or settled on a cycle of period 1 to 32 over the last 64 periods\n  \
-         quasi-periodic  no such period, and |L| < 1e-3 by a weighted Birkhoff average\n  \
+         quasi-periodic  no such cycle, |L| < 1e-3 by a weighted Birkhoff average, and S < 5e-3\n  \
          undecided       all else\n\
-         A run away to |x| + |y| >= 1e4 has a status of its own and no class.\n",
+         An orbit that settles on an attracting cycle after a chaotic transient is regular. A run away to\n\
+         |x| + |y| >= 1e4 has a status of its own and no class.\n",
     );
     help
 }
