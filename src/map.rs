@@ -65,6 +65,10 @@ impl ParameterMap {
     pub fn is_runaway(&self, index: usize) -> bool {
         self.column(Quantity::Status)[index] == 1.0
     }
+
+    pub fn is_under_resolved(&self, index: usize) -> bool {
+        self.column(Quantity::Status)[index] == 2.0
+    }
 }
 
 fn code(value: f64) -> Option<usize> {

@@ -13,7 +13,13 @@ pub enum Status {
         /// The end of the forcing period in which it happened, in units of tau from the start of the run.
         time: f64,
     },
+    /// The sum of the exponents misses the mean divergence by more than [`DEFECT_BOUND`], or a number overflowed: the
+    /// step, or the interval between renormalisations, is too long for the stiffness met.
+    UnderResolved,
 }
+
+/// Largest difference between the sum of the exponents and the mean divergence, relative to 1 + |divergence|.
+pub const DEFECT_BOUND: f64 = 1e-2;
 
 /// A state with |x| + |y| at or above this has run away: bounded motion of the system is O(1).
 pub const RUNAWAY_BOUND: f64 = 1e4;
@@ -44,9 +50,9 @@ pub const QUASI_PERIODIC_BOUND: f64 = 1e-3;
 /// where it does not, an average near zero is chance.
 pub const QUASI_PERIODIC_ERROR: f64 = 5e-3;
 
-/// A cycle along which the growth is positive and the exponent's standard error below this: the orbit began on an
-/// unstable cycle and never left it, which is not chaos.
-const CONSTANT_GROWTH: f64 = 1e-6;
+/// A standard error below this means the same growth in every period: the orbit is on its cycle. Where the growth is
+/// positive it began on an unstable cycle and never left it, which is not chaos.
+pub const CONSTANT_GROWTH: f64 = 1e-6;
 
 /// The cycle on which an orbit was found at the end of its run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,7 +96,7 @@ impl Class {
 }
 
 const CLASS_NAMES: &[&str] = &["chaotic", "regular", "quasi_periodic", "undecided"];
-const STATUS_NAMES: &[&str] = &["ok", "runaway"];
+const STATUS_NAMES: &[&str] = &["ok", "runaway", "under_resolved"];
 const BACKEND_NAMES: &[&str] = &["cpu_f64", "cpu_f32", "gpu_f32"];
 
 impl Status {
@@ -102,6 +108,7 @@ impl Status {
         match self {
             Self::Ok => 0,
             Self::Runaway { .. } => 1,
+            Self::UnderResolved => 2,
         }
     }
 }
@@ -130,7 +137,7 @@ impl BackendKind {
 #[derive(Clone, Copy, Debug)]
 pub struct Measurement {
     pub status: Status,
-    /// None after a runaway.
+    /// None unless the status is ok.
     pub class: Option<Class>,
     /// Maximal exponent, the larger of the two non-trivial ones, per unit of tau.
     pub lyapunov: f64,
@@ -156,6 +163,8 @@ pub struct Measurement {
     /// Number of distinct attractors that the initial states lead to.
     pub attractors: u32,
     pub backend: BackendKind,
+    /// Where the orbit began: (x0, y0).
+    pub initial_state: [f64; 2],
 }
 
 impl Measurement {
@@ -177,6 +186,7 @@ impl Measurement {
             chaotic_fraction: 0.0,
             attractors: 0,
             backend,
+            initial_state: [f64::NAN; 2],
         }
     }
 
@@ -282,7 +292,7 @@ impl Quantity {
             Self::Attractors => f64::from(m.attractors),
             Self::RunawayTime => match m.status {
                 Status::Runaway { time } => time,
-                Status::Ok => f64::NAN,
+                Status::Ok | Status::UnderResolved => f64::NAN,
             },
             Self::Class => m.class.map_or(f64::NAN, |class| f64::from(class as u8)),
             Self::Status => f64::from(m.status.code()),

@@ -127,6 +127,22 @@ fn results_are_resumed_but_those_of_another_experiment_are_not_overwritten() {
     let output = small_map(folder.path(), &["--out", "thesis", "--force"]);
     assert_refused(&output, "no store");
     assert!(folder.path().join("thesis.zarr/chapter1").exists());
+    fs::write(folder.path().join("thesis.zarr/zarr.json"), r#"{"node_type": "group"}"#).unwrap();
+    assert_refused(&small_map(folder.path(), &["--out", "thesis", "--force"]), "no store");
+    assert!(folder.path().join("thesis.zarr/chapter1").exists());
+    fs::write(folder.path().join("table-threshold.csv"), "mine").unwrap();
+    assert_refused(
+        &small_map(folder.path(), &["--out", "table"]),
+        "table-threshold.csv is there already",
+    );
+    // a drawing does not replace another experiment's either
+    assert!(
+        small_map(folder.path(), &["--set", "b=1.2", "--out", "other"])
+            .status
+            .success()
+    );
+    let drawn = tribochaos(folder.path(), &["render", "outputs/map.zarr", "--out", "other"]);
+    assert_refused(&drawn, "another experiment");
     // pictures that lost their store are in the way as well
     fs::remove_dir_all(folder.path().join("outputs/map.zarr")).unwrap();
     assert_refused(&small_map(folder.path(), &[]), "another experiment");
@@ -235,6 +251,57 @@ fn what_does_not_apply_is_null() {
 }
 
 #[test]
+fn tangent_vectors_that_overflow_are_no_result() {
+    let stiff = [
+        "x0=0",
+        "y0=0",
+        "zeta_k=0",
+        "omega_k=0",
+        "f_0=0",
+        "epsilon=1000",
+        "h1=-1000",
+    ];
+    let arguments: Vec<&str> = stiff.iter().flat_map(|value| ["--set", value]).collect();
+    let point = point(&arguments);
+    assert_eq!(point["status"], "under_resolved", "{point:#}");
+    assert!(
+        point["class"].is_null() && point["lyapunov"].is_null() && point["period"].is_null(),
+        "{point:#}"
+    );
+}
+
+#[test]
+fn a_state_at_rest_has_period_one() {
+    let point = point(&[
+        "--set",
+        "x0=0",
+        "--set",
+        "y0=0",
+        "--set",
+        "zeta_k=0",
+        "--set",
+        "omega_k=0",
+    ]);
+    assert_eq!(
+        (point["class"].as_str(), point["period"].as_u64()),
+        (Some("regular"), Some(1)),
+        "{point:#}"
+    );
+}
+
+#[test]
+fn the_spectrum_is_that_of_the_initial_state_whose_exponent_is_reported() {
+    let values = ["--set", "zeta_k=3.64", "--set", "h1=0.3", "--initial-states", "8"];
+    let point = point(&[&values[..], &["--transient-periods", "100", "--periods", "100"]].concat());
+    let number = |value: &Value| value.as_f64().unwrap();
+    let difference = number(&point["spectrum"][0]) - number(&point["lyapunov"]);
+    assert!(
+        difference.abs() <= 4.0 * number(&point["lyapunov_error"]).max(1e-6),
+        "{point:#}"
+    );
+}
+
+#[test]
 fn coexisting_attractors_are_counted() {
     // two wells, hardly driven: the bush rests in one or the other
     let point = point(&[
@@ -279,6 +346,9 @@ fn bad_input_is_refused_with_a_reason_before_any_work() {
         (&["map", "missing.toml"], "missing.toml"),
         (&["map", "--from", "missing.png"], "missing.png"),
         (&["map", long, "--y", "h1=0:2:40000"], "60000"),
+        (&["map", long, "--y", "h1=0:2:40000", "--dry-run"], "60000"),
+        (&["map", "--out", "folder/"], "names no file"),
+        (&["map", "--adapter", "no such GPU"], "no GPU adapter has"),
         (&["map", "--out", "/proc/nowhere/map"], "/proc/nowhere/map.zarr"),
         (&["render", "missing.zarr"], "missing.zarr"),
         (&["render", "map.png"], ".zarr"),

@@ -53,8 +53,10 @@ fn rate(vector: Vector, motion: Linearised) -> f32 {
 }
 
 fn normalised(vector: Vector) -> Normalised {
-    // a vector that has shrunk below the smallest number keeps no direction: it is taken as that small
-    let square = max(fma(vector.x, vector.x, vector.y * vector.y), SMALLEST_SQUARE);
+    // a vector that has shrunk below the smallest number keeps no direction: it is taken as that small; one that has
+    // overflowed stays NaN or infinite, and shows
+    let measured = fma(vector.x, vector.x, vector.y * vector.y);
+    let square = select(measured, SMALLEST_SQUARE, measured < SMALLEST_SQUARE);
     let norm = sqrt(square);
     let inverse = 1.0 / norm;
     return Normalised(Vector(vector.x * inverse, vector.y * inverse), norm);

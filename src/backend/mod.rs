@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 
 use crate::dynamics::{statistics, stroboscope};
 use crate::experiment::Settings;
-use crate::measurement::{BackendKind, Class, Cycle, Measurement, Status};
+use crate::measurement::{BackendKind, CONSTANT_GROWTH, Class, Cycle, DEFECT_BOUND, Measurement, Status};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// What the forcing periods of a slice are for.
@@ -223,7 +223,7 @@ impl Growth {
             growth_rate: self.rate_over_last(window) / period_time,
         });
         let class = Class::of(lyapunov, lyapunov_error, cycle, lyapunov_birkhoff);
-        Measurement {
+        let measurement = Measurement {
             status: Status::Ok,
             class: Some(class),
             lyapunov,
@@ -232,7 +232,9 @@ impl Growth {
             divergence: self.total.divergence / time,
             lyapunov_birkhoff,
             period: cycle
-                .filter(|cycle| class == Class::Regular && reached(cycle, lyapunov, settings, period_time))
+                .filter(|cycle| {
+                    class == Class::Regular && reached(cycle, lyapunov, lyapunov_error, settings, period_time)
+                })
                 .map(|cycle| cycle.period),
             x: end.x,
             y: end.y,
@@ -241,14 +243,33 @@ impl Growth {
             chaotic_fraction: f64::from(u8::from(class == Class::Chaotic)),
             attractors: 1,
             backend,
+            initial_state: [parameters[Parameter::X0], parameters[Parameter::Y0]],
+        };
+        // written so that NaN fails
+        let resolved = measurement.divergence_defect().abs() <= DEFECT_BOUND * (1.0 + measurement.divergence.abs())
+            && lyapunov_error.is_finite()
+            && lyapunov_birkhoff.is_finite();
+        if resolved {
+            measurement
+        } else {
+            Measurement {
+                status: Status::UnderResolved,
+                class: None,
+                period: None,
+                chaotic_fraction: 0.0,
+                ..measurement
+            }
         }
     }
 }
 
 /// Whether the run was long enough for the cycle's attraction to bring a disturbance of order 1 well below the
 /// tolerance of the period. A spiral that still decays slowly returns near itself after some odd number of periods, which
-/// is not its period. After a chaotic transient only the last periods are known to have been on the cycle.
-fn reached(cycle: &Cycle, lyapunov: f64, settings: &Settings, period_time: f64) -> bool {
+/// is not its period. Growth that is the same in every period tells of a cycle from the start. After a chaotic transient only the last periods are known to have been on the cycle.
+fn reached(cycle: &Cycle, lyapunov: f64, error: f64, settings: &Settings, period_time: f64) -> bool {
+    if error < CONSTANT_GROWTH {
+        return true;
+    }
     let (rate, periods) = if lyapunov < 0.0 {
         (lyapunov, settings.transient_periods + settings.periods)
     } else {

@@ -29,10 +29,10 @@ pub fn run(args: &DevicesArgs) -> Result<(), Failure> {
     if args.check {
         return check(args.adapter.as_deref());
     }
-    println!("CPU, {} threads", rayon::current_num_threads());
+    say!("CPU, {} threads", rayon::current_num_threads());
     for (rank, set) in InstructionSet::available().into_iter().enumerate() {
         let used = if rank == 0 { "  (used)" } else { "" };
-        println!(
+        say!(
             "  {}: {} lanes of f64, {} of f32{used}",
             set.name(),
             set.lanes(Precision::F64),
@@ -40,13 +40,13 @@ pub fn run(args: &DevicesArgs) -> Result<(), Failure> {
         );
     }
     let adapters = adapters();
-    println!("GPU adapters: {}", if adapters.is_empty() { "none" } else { "" });
+    say!("GPU adapters: {}", if adapters.is_empty() { "none" } else { "" });
     for adapter in &adapters {
-        println!("  {adapter}");
+        say!("  {adapter}");
     }
     let experiment = Request::default().resolve().expect("the default experiment is valid");
     let choice = choice::choose(&experiment).map_err(Failure::backend)?;
-    println!("auto picks {}:\n  {}", choice.backends.active().device(), choice.reason);
+    say!("auto picks {}:\n  {}", choice.backends.active().device(), choice.reason);
     Ok(())
 }
 
@@ -57,13 +57,13 @@ fn check(adapter: Option<&str>) -> Result<(), Failure> {
             .map_err(Failure::backend)
     };
     let mut gpu = open()?;
-    println!("{PROGRAM}, {} {}", std::env::consts::OS, std::env::consts::ARCH);
-    println!("{}", gpu.context().description());
+    say!("{PROGRAM}, {} {}", std::env::consts::OS, std::env::consts::ARCH);
+    say!("{}", gpu.context().description());
     let mut cpu = CpuBackend::new(Precision::F32);
     let twins = twins::compare(&mut gpu, &mut cpu).map_err(Failure::backend)?;
-    println!("twins:  {} random instances against {}", twins.instances, cpu.device());
+    say!("twins:  {} random instances against {}", twins.instances, cpu.device());
     for (what, [median, largest]) in [("state", twins.state), ("growth", twins.growth)] {
-        println!("        {what:<7} differs by {median:.1e} in the median, {largest:.1e} at most");
+        say!("        {what:<7} differs by {median:.1e} in the median, {largest:.1e} at most");
     }
 
     let mut request = Request {
@@ -97,9 +97,9 @@ fn check(adapter: Option<&str>) -> Result<(), Failure> {
     let audit = audit::audit(&map, indices.len(), observer)
         .map_err(Failure::backend)?
         .ok_or_else(interrupted)?;
-    print!("{}", report::audit(&audit));
+    say_on!("{}", report::audit(&audit));
     if twins.agree() && audit.passes() {
-        println!("the GPU computes rightly");
+        say!("the GPU computes rightly");
         Ok(())
     } else {
         Err(Failure::Run(anyhow!(

@@ -84,7 +84,10 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
     let request = args.request()?;
     let experiment = request.resolve().map_err(Failure::input)?;
     if args.print_experiment {
-        print!("{}", experiment.to_toml());
+        if let Some(out) = &request.out {
+            say_on!("out = {:?}\n", out.display().to_string());
+        }
+        say_on!("{}", experiment.to_toml());
         return Ok(());
     }
     for warning in experiment.warnings() {
@@ -93,35 +96,33 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
     let outputs = Outputs::new(request.out.as_deref().unwrap_or("outputs/map".as_ref()));
     let choice = choice::choose(&experiment).map_err(Failure::backend)?;
     if args.dry_run {
+        outputs.check(&experiment, args.force).map_err(Failure::Input)?;
         return dry_run(&experiment, choice, &outputs);
     }
-    let tile = sweep::tile_shape(&experiment, choice.backends.points_per_tile(&experiment.settings));
+    let tile = sweep::tile_shape(&experiment, choice.backends.points_per_tile(&experiment));
     let mut store = outputs.open(&experiment, tile, args.force).map_err(Failure::Input)?;
-    println!("{}\n{}", report::plan(&experiment), report::device(&choice));
+    say!("{}\n{}", report::plan(&experiment), report::device(&choice));
 
     progress::catch_interrupt();
     let started = Instant::now();
-    let (points, devices) = compute(&experiment, choice, &store)?;
+    let (points, devices) = compute(&experiment, choice, &mut store)?;
     let elapsed = started.elapsed();
 
     let map = store.read_map().map_err(Failure::run)?;
     let audit = audit_map(&map, &experiment, &mut store)?;
-    store
-        .set_attribute("devices", devices.clone().into())
-        .map_err(Failure::run)?;
     let files = outputs.draw(&map, &Style::default()).map_err(Failure::Run)?;
-    print!("{}", report::summary(&map, points, elapsed, &devices));
+    say_on!("{}", report::summary(&map, points, elapsed, &devices));
     if let Some(audit) = audit {
-        print!("{}", report::audit(&audit));
+        say_on!("{}", report::audit(&audit));
     }
     for file in files.iter().chain([&outputs.store()]) {
-        println!("wrote {}", file.display());
+        say!("wrote {}", file.display());
     }
     Ok(())
 }
 
 /// Computes what the store lacks, tile by tile; returns how many points that were, and on what.
-fn compute(experiment: &Experiment, choice: Choice, store: &MapStore) -> Result<(usize, Vec<String>), Failure> {
+fn compute(experiment: &Experiment, choice: Choice, store: &mut MapStore) -> Result<(usize, Vec<String>), Failure> {
     let mut backends = choice.backends;
     let columns = experiment.grid.axes[0].count;
     let settings = &experiment.settings;
@@ -129,9 +130,11 @@ fn compute(experiment: &Experiment, choice: Choice, store: &MapStore) -> Result<
         sweep::instance_periods(settings, experiment.grid.len()),
         experiment.grid.len(),
     );
-    let mut devices = vec![backends.active().device()];
+    let stored = store.attribute("devices").cloned().unwrap_or_default();
+    let mut devices: Vec<String> = serde_json::from_value(stored).unwrap_or_default();
     let mut computed = 0;
-    for (done, tile) in store.tiles().enumerate() {
+    let tiles: Vec<_> = store.tiles().collect();
+    for (done, tile) in tiles.iter().copied().enumerate() {
         if store.is_finished(&tile).map_err(Failure::run)? {
             progress.skip(sweep::instance_periods(settings, tile.len()));
             continue;
@@ -140,7 +143,7 @@ fn compute(experiment: &Experiment, choice: Choice, store: &MapStore) -> Result<
             format!(
                 "{reason}; {done} of {} tiles are finished and kept in {path}: the same command goes on from there, \
                  `tribochaos render {path}` draws them",
-                store.tiles().count(),
+                tiles.len(),
                 path = store.path().display()
             )
         };
@@ -157,6 +160,9 @@ fn compute(experiment: &Experiment, choice: Choice, store: &MapStore) -> Result<
         let device = backends.active().device();
         if !devices.contains(&device) {
             devices.push(device);
+            store
+                .set_attribute("devices", devices.clone().into())
+                .map_err(Failure::run)?;
         }
     }
     Ok((computed, devices))
@@ -191,8 +197,8 @@ fn audit_map(
 
 fn dry_run(experiment: &Experiment, mut choice: Choice, outputs: &outputs::Outputs) -> Result<(), Failure> {
     let seconds = estimate::seconds(choice.backends.active_mut(), experiment).map_err(Failure::backend)?;
-    println!("{}\n{}", report::plan(experiment), report::device(&choice));
-    println!("about {}", report::duration(Duration::from_secs_f64(seconds)));
-    println!("would write {}", outputs.store().display());
+    say!("{}\n{}", report::plan(experiment), report::device(&choice));
+    say!("about {}", report::duration(Duration::from_secs_f64(seconds)));
+    say!("would write {}", outputs.store().display());
     Ok(())
 }

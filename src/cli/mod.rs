@@ -2,6 +2,22 @@
 //!
 //! Owns everything that is typed or printed; computes nothing itself.
 
+/// Prints a line. A reader that has gone away is no reason to lose a computation.
+macro_rules! say {
+    ($($arguments:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stdout(), $($arguments)*);
+    }};
+}
+
+/// As `say`, without an end of line.
+macro_rules! say_on {
+    ($($arguments:tt)*) => {{
+        use std::io::Write as _;
+        let _ = write!(std::io::stdout(), $($arguments)*);
+    }};
+}
+
 mod devices;
 mod map;
 mod outputs;

@@ -47,21 +47,10 @@ impl Outputs {
     /// If the pictures would be too large, the results of another experiment are in the way and `force` is not given,
     /// the place cannot be written, or the disk is too small.
     pub fn open(&self, experiment: &Experiment, tile: [usize; 2], force: bool) -> anyhow::Result<MapStore> {
-        if self.name.file_name().is_none() {
-            bail!(
-                "`{}` names no file: give --out a name such as outputs/map",
-                self.name.display()
-            );
-        }
-        picture::check_size(experiment, &Style::default())?;
+        self.check(experiment, force)?;
         let path = self.store();
-        if path.exists() {
-            if !force && let Some(store) = self.resumable(experiment)? {
-                return Ok(store);
-            }
-            self.remove_store()?;
-        } else if !force {
-            self.check_pictures(experiment)?;
+        if path.exists() && !force {
+            return self.resumable(experiment);
         }
         let size = store::size_bytes(experiment, tile);
         let free = store::free_space(&path).with_context(|| format!("cannot write {}", path.display()))?;
@@ -73,12 +62,54 @@ impl Outputs {
                 free as f64 / 1e9
             );
         }
-        Ok(MapStore::create(&path, experiment, tile)?)
+        if !path.exists() {
+            return Ok(MapStore::create(&path, experiment, tile)?);
+        }
+        // what is replaced goes only once the new store is there
+        let aside = self.path(".zarr.replaced");
+        fs::rename(&path, &aside).with_context(|| format!("cannot replace {}", path.display()))?;
+        match MapStore::create(&path, experiment, tile) {
+            Ok(store) => {
+                fs::remove_dir_all(&aside).with_context(|| format!("cannot remove {}", aside.display()))?;
+                Ok(store)
+            }
+            Err(error) => {
+                fs::rename(&aside, &path).with_context(|| format!("cannot put {} back", path.display()))?;
+                Err(error.into())
+            }
+        }
     }
 
-    fn resumable(&self, experiment: &Experiment) -> anyhow::Result<Option<MapStore>> {
+    /// Whether the experiment may be run and drawn under this name; writes nothing.
+    ///
+    /// # Errors
+    /// As [`Outputs::open`], but for what only writing can tell.
+    pub fn check(&self, experiment: &Experiment, force: bool) -> anyhow::Result<()> {
+        let text = self.name.to_string_lossy();
+        if self.name.file_name().is_none() || text.ends_with(std::path::is_separator) {
+            bail!("`{text}` names no file: give --out a name such as outputs/map");
+        }
+        picture::check_size(experiment, &Style::default())?;
+        let pictures = [Quantity::Lyapunov, Quantity::Period].map(|quantity| self.picture(quantity));
+        for file in pictures.iter().chain([&self.threshold()]) {
+            if file.is_dir() {
+                bail!("{} is a folder: move it away, or give another --out", file.display());
+            }
+        }
         let path = self.store();
-        let store = MapStore::open(&path).context("--force replaces it, --out names another place")?;
+        if !path.exists() {
+            return if force { Ok(()) } else { self.check_pictures(experiment) };
+        }
+        if force {
+            self.check_replaceable()
+        } else {
+            self.resumable(experiment).map(|_| ())
+        }
+    }
+
+    fn resumable(&self, experiment: &Experiment) -> anyhow::Result<MapStore> {
+        let path = self.store();
+        let store = MapStore::open(&path).context("give another --out, or --force to replace a damaged store")?;
         if store.experiment() != experiment {
             bail!(
                 "{} holds the results of another experiment: give another --out, or --force to replace them",
@@ -91,23 +122,29 @@ impl Outputs {
                 path.display()
             );
         }
-        Ok(Some(store))
+        Ok(store)
     }
 
-    /// Removes the store, if it is one.
-    fn remove_store(&self) -> anyhow::Result<()> {
+    /// A store may be replaced, however damaged; nothing else.
+    fn check_replaceable(&self) -> anyhow::Result<()> {
         let path = self.store();
-        if !path.join("zarr.json").is_file() {
+        if store::looks_like_a_store(&path) {
+            return Ok(());
+        }
+        bail!(
+            "{} is no store of a map: it is not replaced, move it away",
+            path.display()
+        );
+    }
+
+    /// Pictures without a store are in the way unless they show the same experiment; so is a table without them.
+    pub fn check_pictures(&self, experiment: &Experiment) -> anyhow::Result<()> {
+        if self.threshold().exists() && !self.picture(Quantity::Lyapunov).exists() {
             bail!(
-                "{} is no store of a map: it is not replaced, move it away",
-                path.display()
+                "{} is there already: give another --out, or --force to replace it",
+                self.threshold().display()
             );
         }
-        fs::remove_dir_all(&path).with_context(|| format!("cannot replace {}", path.display()))
-    }
-
-    /// Pictures without a store are in the way unless they show the same experiment.
-    fn check_pictures(&self, experiment: &Experiment) -> anyhow::Result<()> {
         for quantity in [Quantity::Lyapunov, Quantity::Period] {
             let path = self.picture(quantity);
             if path.exists() && png::read_experiment(&path).ok() != Some(experiment.to_toml()) {

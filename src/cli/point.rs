@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use tribochaos::dynamics::spectrum::lyapunov_spectrum;
 use tribochaos::experiment::{BackendChoice, Experiment, Request};
 use tribochaos::measurement::{Measurement, Status};
+use tribochaos::parameters::Parameter;
 use tribochaos::sweep::choice;
 
 use super::request::{self, ExperimentArgs};
@@ -39,11 +40,18 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
         })
         .map_err(Failure::backend)?
         .ok_or_else(|| Failure::Interrupted("nothing was measured".into()))?;
-    let spectrum = lyapunov_spectrum(&experiment.grid.point(0), &experiment.settings);
+    let m = &measured[0];
+    // of the initial state whose exponent is reported
+    let [x0, y0] = m.initial_state;
+    let instance = experiment.grid.point(0).with(Parameter::X0, x0).with(Parameter::Y0, y0);
+    let spectrum = match m.status {
+        Status::Ok | Status::UnderResolved => lyapunov_spectrum(&instance, &experiment.settings),
+        Status::Runaway { .. } => None,
+    };
     if args.json {
-        println!("{:#}", object(&experiment, &measured[0], spectrum));
+        say!("{:#}", object(&experiment, m, spectrum));
     } else {
-        print(&experiment, &measured[0], spectrum);
+        print(&experiment, m, spectrum);
     }
     Ok(())
 }
@@ -83,42 +91,43 @@ fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) 
 
 fn print(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) {
     for (parameter, value) in experiment.fixed_parameters() {
-        print!("{parameter} = {value}  ");
+        say_on!("{parameter} = {value}  ");
     }
-    println!("\n");
+    say!("\n");
     if let Status::Runaway { time } = m.status {
-        println!("ran away at tau = {time:.3}");
+        say!("ran away at tau = {time:.3}");
         return;
     }
     let settings = &experiment.settings;
-    println!(
+    say!(
         "class               {}",
         m.class.map_or("-", tribochaos::measurement::Class::name)
     );
-    println!("maximal exponent    {:.6} +- {:.6}", m.lyapunov, m.lyapunov_error);
-    println!("second exponent     {:.6}", m.lyapunov_second);
-    println!(
+    say!("maximal exponent    {:.6} +- {:.6}", m.lyapunov, m.lyapunov_error);
+    say!("second exponent     {:.6}", m.lyapunov_second);
+    say!(
         "mean divergence     {:.6}  (sum of the exponents less this: {:.1e})",
         m.divergence,
         m.divergence_defect()
     );
     if let Some([first, second, third]) = spectrum {
-        println!("spectrum (3.6)      {first:.6} {second:.6} {third:.6}");
+        say!("spectrum (3.6)      {first:.6} {second:.6} {third:.6}");
     }
-    println!(
+    say!(
         "period              {}",
         m.period.map_or("none found".to_owned(), |period| period.to_string())
     );
-    println!("x, y                {:.9} {:.9}  (last stroboscopic state)", m.x, m.y);
-    println!("extremes of x       {:.6} {:.6}", m.x_min, m.x_max);
+    say!("x, y                {:.9} {:.9}  (last stroboscopic state)", m.x, m.y);
+    say!("extremes of x       {:.6} {:.6}", m.x_min, m.x_max);
     if settings.initial_states > 1 {
-        println!(
+        say!(
             "chaotic fraction    {} of {} initial states",
-            m.chaotic_fraction, settings.initial_states
+            m.chaotic_fraction,
+            settings.initial_states
         );
-        println!("attractors          {}", m.attractors);
+        say!("attractors          {}", m.attractors);
     }
-    println!(
+    say!(
         "integrated on       {}, {}",
         m.backend.device_class(),
         m.backend.precision()

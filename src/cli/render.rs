@@ -31,6 +31,9 @@ pub struct RenderArgs {
     /// Leave out the threshold curve
     #[arg(long)]
     no_threshold: bool,
+    /// Replace pictures of another experiment
+    #[arg(long)]
+    force: bool,
 }
 
 fn colours(name: &str) -> Result<ColourScale, String> {
@@ -46,6 +49,9 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         .and_then(|store| store.read_map())
         .map_err(Failure::input)?;
     let outputs = Outputs::new(args.out.as_deref().unwrap_or(&name));
+    if !args.force {
+        outputs.check_pictures(&map.experiment).map_err(Failure::Input)?;
+    }
     let mut style = Style {
         threshold: !args.no_threshold,
         ..Style::default()
@@ -68,7 +74,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             .collect()
     };
     for file in files.map_err(Failure::Input)? {
-        println!("wrote {}", file.display());
+        say!("wrote {}", file.display());
     }
     Ok(())
 }

@@ -81,24 +81,34 @@ pub fn summary(map: &ParameterMap, computed: usize, elapsed: Duration, devices: 
         format!("{} {}", class.name(), share(count))
     });
     let runaways = (0..points).filter(|&index| map.is_runaway(index)).count();
+    let under_resolved = (0..points).filter(|&index| map.is_under_resolved(index)).count();
     let computed = (0..points).filter(|&index| map.is_computed(index)).count();
     let _ = writeln!(text, "class:  {}", classes.join(", "));
     let _ = writeln!(
         text,
-        "status: ok {}, runaway {}",
-        share(computed - runaways),
-        share(runaways)
+        "status: ok {}, runaway {}, under-resolved {}",
+        share(computed - runaways - under_resolved),
+        share(runaways),
+        share(under_resolved)
     );
     let column = |quantity| map.column(quantity).iter();
     let defect = column(Quantity::Lyapunov)
         .zip(column(Quantity::LyapunovSecond))
         .zip(column(Quantity::Divergence))
-        .map(|((first, second), divergence)| (first + second - divergence).abs())
+        .enumerate()
+        .filter(|(index, _)| !map.is_under_resolved(*index))
+        .map(|(_, ((first, second), divergence))| (first + second - divergence).abs())
         .fold(0.0, f64::max);
     let _ = writeln!(
         text,
-        "check:  sum of the exponents = mean divergence to {defect:.1e} at every point"
+        "check:  sum of the exponents = mean divergence to {defect:.1e} at every resolved point"
     );
+    if under_resolved > 0 {
+        let _ = writeln!(
+            text,
+            "warning: {under_resolved} points are under-resolved: use more --steps-per-period or a smaller --renormalise-every"
+        );
+    }
     let onsets = threshold(map);
     let count = |matches: fn(&OnsetKind) -> bool| onsets.iter().filter(|onset| matches(&onset.kind)).count();
     let _ = writeln!(

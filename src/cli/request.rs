@@ -29,7 +29,8 @@ pub struct ExperimentArgs {
     /// Forcing periods before the measurement [default: 300]
     #[arg(long, help_heading = "Numerical settings", value_name = "PERIODS")]
     pub transient_periods: Option<u32>,
-    /// Last periods of the transient, in which the tangent vectors turn to their directions [default: 50]
+    /// Last periods of the transient, in which the tangent vectors turn to their directions [default: 50, or the whole of
+    /// a shorter transient]
     #[arg(long, help_heading = "Numerical settings", value_name = "PERIODS")]
     pub align_periods: Option<u32>,
     /// Measured forcing periods [default: 250]
@@ -73,6 +74,9 @@ impl ExperimentArgs {
         }
         apply!(scheme steps_per_period transient_periods align_periods periods renormalise_every period_tolerance
                initial_states initial_box seed backend);
+        if self.align_periods.is_none() {
+            settings.align_periods = settings.align_periods.min(settings.transient_periods);
+        }
         settings.precision = self.precision.or(settings.precision);
         settings.adapter = self.adapter.clone().or(settings.adapter.take());
     }
@@ -140,7 +144,8 @@ pub fn help() -> String {
          quasi-periodic  no such cycle, |L| < 1e-3 by a weighted Birkhoff average, and S < 5e-3\n  \
          undecided       all else\n\
          An orbit that settles on an attracting cycle after a chaotic transient is regular. A run away to\n\
-         |x| + |y| >= 1e4 has a status of its own and no class.\n",
+         |x| + |y| >= 1e4, or a sum of exponents that misses the mean divergence by more than 1e-2\n\
+         (under-resolved), has a status of its own and no class.\n",
     );
     help
 }

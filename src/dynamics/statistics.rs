@@ -19,7 +19,7 @@ pub fn batches(periods: u32) -> Vec<Range<u32>> {
 ///
 /// Batch means: the batches' scatter gives the error whatever the correlation inside a batch. Where it reaches from one
 /// batch into the next, pairs and fours of batches scatter more than single ones would make them; the largest of the
-/// three estimates is taken.
+/// three estimates is taken; NaN if a growth is.
 pub fn standard_error(batches: &[(f64, f64)]) -> f64 {
     [1, 2, 4]
         .into_iter()
@@ -35,7 +35,8 @@ pub fn standard_error(batches: &[(f64, f64)]) -> f64 {
                 .collect();
             scatter(&groups)
         })
-        .fold(0.0, f64::max)
+        // written so that NaN stays
+        .fold(0.0, |largest, error| if error <= largest { largest } else { error })
 }
 
 fn scatter(batches: &[(f64, f64)]) -> f64 {

@@ -65,8 +65,10 @@ impl<R: Real> Vector<R> {
 
     #[inline(always)]
     fn normalised(self) -> (Self, R) {
-        // a vector that has shrunk below the smallest number keeps no direction: it is taken as that small
-        let square = self.x.mul_add(self.x, self.y * self.y).max(R::splat(SMALLEST_SQUARE));
+        // a vector that has shrunk below the smallest number keeps no direction: it is taken as that small; one that
+        // has overflowed stays NaN or infinite, and shows
+        let (square, smallest) = (self.x.mul_add(self.x, self.y * self.y), R::splat(SMALLEST_SQUARE));
+        let square = R::select(square.less(smallest), smallest, square);
         let norm = square.sqrt();
         let inverse = R::splat(1.0) / norm;
         (

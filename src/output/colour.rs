@@ -77,6 +77,8 @@ fn oklch(lightness: f32, chroma: f32, hue: f32) -> Rgb {
 pub const UNDECIDED: Rgb = [0x8c, 0x8c, 0x8c];
 pub const QUASI_PERIODIC: Rgb = [0xff, 0xe9, 0x3b];
 pub const RUNAWAY: Rgb = [0, 0, 0];
+/// Magenta: a defect of the computation, to be seen at once.
+pub const UNDER_RESOLVED: Rgb = [0xd6, 0x00, 0xb4];
 /// Chaos in pictures without an exponent scale.
 pub const CHAOTIC: Rgb = [0xe4, 0xe4, 0xe4];
 /// Regular motion whose period was not found.

@@ -76,12 +76,14 @@ pub fn lyapunov_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Fig
         Kind::new(colour::QUASI_PERIODIC, "quasi-periodic"),
         Kind::new(colour::UNDECIDED, "undecided"),
         Kind::new(colour::RUNAWAY, "runaway"),
+        Kind::new(colour::UNDER_RESOLVED, "under-resolved"),
     ];
     let values = map.column(Quantity::Lyapunov);
     let cells = cells(map, |index| match map.class(index) {
         Some(Class::QuasiPeriodic) => Cell::Kind(0),
         Some(Class::Undecided) => Cell::Kind(1),
         Some(Class::Chaotic | Class::Regular) => Cell::Value(values[index]),
+        None if map.is_under_resolved(index) => Cell::Kind(3),
         None => Cell::Kind(2),
     });
     let bar = bar(Quantity::Lyapunov, &cells, style)?;
@@ -116,6 +118,7 @@ pub fn period_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Figur
         Kind::new(colour::CHAOTIC, "chaotic"),
         Kind::new(colour::UNDECIDED, "undecided"),
         Kind::new(colour::RUNAWAY, "runaway"),
+        Kind::new(colour::UNDER_RESOLVED, "under-resolved"),
     ]);
     let periods = map.column(Quantity::Period);
     let cells = cells(map, |index| {
@@ -125,6 +128,7 @@ pub fn period_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Figur
             Some(Class::QuasiPeriodic) => first_other + 1,
             Some(Class::Chaotic) => first_other + 2,
             Some(Class::Undecided) => first_other + 3,
+            None if map.is_under_resolved(index) => first_other + 5,
             None => first_other + 4,
         })
     });
@@ -218,7 +222,7 @@ fn number_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -> Resu
 fn code_picture(map: &ParameterMap, quantity: Quantity, names: &[&str], style: &Style) -> Result<Figure, FigureError> {
     let colours = match quantity {
         Quantity::Class => Class::ALL.map(class_colour).to_vec(),
-        Quantity::Status => vec![colour::CHAOTIC, colour::RUNAWAY],
+        Quantity::Status => vec![colour::CHAOTIC, colour::RUNAWAY, colour::UNDER_RESOLVED],
         _ => colour::PERIODS.to_vec(),
     };
     let mut kinds: Vec<Kind> = colours
@@ -227,13 +231,14 @@ fn code_picture(map: &ParameterMap, quantity: Quantity, names: &[&str], style: &
         .map(|(colour, name)| Kind::new(*colour, &spoken(name)))
         .collect();
     kinds.push(Kind::new(colour::RUNAWAY, "runaway"));
+    kinds.push(Kind::new(colour::UNDER_RESOLVED, "under-resolved"));
     let codes = map.column(quantity);
-    // Only a runaway has no code.
+    // Only a point whose status is not ok has no code.
     let cells = cells(map, |index| {
-        Cell::Kind(if codes[index].is_nan() {
-            names.len()
-        } else {
-            codes[index] as usize
+        Cell::Kind(match codes[index] {
+            code if !code.is_nan() => code as usize,
+            _ if map.is_under_resolved(index) => names.len() + 1,
+            _ => names.len(),
         })
     });
     let heading = heading(quantity);

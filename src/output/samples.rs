@@ -23,6 +23,14 @@ pub fn measurement(lyapunov: f64) -> Measurement {
         lyapunov,
         period: (lyapunov < 0.0).then_some(3),
         attractors: 1,
+        lyapunov_error: 0.01,
+        lyapunov_second: lyapunov - 0.5,
+        divergence: 2.0 * lyapunov - 0.5,
+        lyapunov_birkhoff: lyapunov,
+        x: 0.5,
+        y: -0.5,
+        x_min: -1.0,
+        x_max: 1.5,
         ..Measurement::runaway(0.0, BackendKind::CpuF64)
     }
 }

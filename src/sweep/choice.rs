@@ -4,7 +4,7 @@
 
 use super::Backends;
 use crate::backend::cpu::CpuBackend;
-use crate::backend::gpu::{GpuBackend, GpuContext};
+use crate::backend::gpu::{AdapterDescription, GpuBackend, GpuContext, adapters};
 use crate::backend::{Backend, BackendError};
 use crate::experiment::{BackendChoice, Experiment, Precision};
 
@@ -18,7 +18,7 @@ pub struct Choice {
 /// with the CPU to fall back on; else the CPU; never a software adapter.
 ///
 /// # Errors
-/// With `gpu`, if there is no suitable adapter.
+/// With `gpu`, if there is no suitable adapter; with `auto`, if none has the name asked for.
 pub fn choose(experiment: &Experiment) -> Result<Choice, BackendError> {
     let settings = &experiment.settings;
     let cpu = || Box::new(CpuBackend::new(settings.precision.unwrap_or(Precision::F64)));
@@ -42,6 +42,15 @@ pub fn choose(experiment: &Experiment) -> Result<Choice, BackendError> {
             }
             if let Err(error) = experiment.check_f32() {
                 return Ok(on_cpu(error.to_string()));
+            }
+            if let Some(name) = adapter {
+                let known = adapters();
+                let named = |known: &AdapterDescription| known.name.to_lowercase().contains(&name.to_lowercase());
+                if !known.iter().any(named) {
+                    return Err(BackendError::Unsupported(format!(
+                        "no GPU adapter has `{name}` in its name; `tribochaos devices` lists those that are there"
+                    )));
+                }
             }
             Ok(match GpuContext::open(adapter, false) {
                 Ok(context) => {

@@ -31,6 +31,11 @@ pub fn tile_shape(experiment: &Experiment, points: usize) -> [usize; 2] {
     }
 }
 
+/// An eighth of a map is no reason to make tiles smaller than this.
+const MIN_SHARE: usize = 4096;
+/// Least number of points in a tile.
+const MIN_TILE: usize = 64;
+
 /// A backend, and another one that takes over if it fails.
 pub struct Backends {
     active: Box<dyn Backend>,
@@ -62,9 +67,16 @@ impl Backends {
         self.active.as_mut()
     }
 
-    /// Points in a tile such that the backend in use is filled by one.
-    pub fn points_per_tile(&self, settings: &Settings) -> usize {
+    /// Points in a batch such that the backend in use is filled by one.
+    pub fn points_per_batch(&self, settings: &Settings) -> usize {
         (self.active.batch_size() / settings.initial_states as usize).max(1)
+    }
+
+    /// Points in a tile: a batch, but no more than an eighth of a large map, since what is not a finished tile is lost when
+    /// the run is interrupted, and not so few that the store falls into crumbs.
+    pub fn points_per_tile(&self, experiment: &Experiment) -> usize {
+        let eighth = experiment.grid.len().div_ceil(8).max(MIN_SHARE);
+        self.points_per_batch(&experiment.settings).min(eighth).max(MIN_TILE)
     }
 
     /// Measures the points of a grid with the given indices, in their order; None if the observer broke it off.
@@ -81,7 +93,7 @@ impl Backends {
         let states = initial_states::offsets(settings);
         let mut measurements = Vec::with_capacity(indices.len());
         while measurements.len() < indices.len() {
-            let points = self.points_per_tile(settings).min(indices.len() - measurements.len());
+            let points = self.points_per_batch(settings).min(indices.len() - measurements.len());
             let instances: Vec<_> = indices[measurements.len()..][..points]
                 .iter()
                 .flat_map(|&index| initial_states::instances(grid.point(index), &states))

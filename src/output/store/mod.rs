@@ -26,6 +26,21 @@ mod tile;
 pub use error::StoreError;
 pub use tile::Tile;
 
+/// Quantities that every point whose status is ok has.
+const NEVER_NAN: [Quantity; 11] = [
+    Quantity::Lyapunov,
+    Quantity::LyapunovError,
+    Quantity::LyapunovSecond,
+    Quantity::Divergence,
+    Quantity::LyapunovBirkhoff,
+    Quantity::X,
+    Quantity::Y,
+    Quantity::XMin,
+    Quantity::XMax,
+    Quantity::Class,
+    Quantity::Backend,
+];
+
 /// A map on disk, open for reading and writing.
 pub struct MapStore {
     path: PathBuf,
@@ -261,6 +276,8 @@ impl MapStore {
         let mut map = ParameterMap::new(self.experiment.clone());
         let columns = map.x_axis().count;
         for tile in self.tiles() {
+            // what is there but cannot be decoded is damage here, though a resumed run may compute it again
+            self.read_tile(Quantity::Status.info(), &tile)?;
             if !self.is_finished(&tile)? {
                 continue;
             }
@@ -270,6 +287,15 @@ impl MapStore {
                 for (index, value) in tile.indices(columns).zip(values) {
                     column[index] = value;
                 }
+            }
+            // every point whose status is ok has numbers: a chunk that is missing reads as NaN
+            let lost = |quantity: Quantity| {
+                let status = map.column(Quantity::Status);
+                tile.indices(columns)
+                    .any(|index| status[index] == 0.0 && map.column(quantity)[index].is_nan())
+            };
+            if let Some(quantity) = NEVER_NAN.into_iter().find(|quantity| lost(*quantity)) {
+                return Err(self.damaged(quantity, &tile, "values of finished points are missing"));
             }
         }
         Ok(map)
@@ -356,6 +382,13 @@ impl MapStore {
             what,
         }
     }
+}
+
+/// Whether the folder is, or was before it was damaged, a store of this program: `open` need not succeed on it.
+pub fn looks_like_a_store(path: &Path) -> bool {
+    let group = std::fs::read(path.join("zarr.json")).unwrap_or_default();
+    let status = path.join(Quantity::Status.info().name).join("zarr.json");
+    String::from_utf8_lossy(&group).contains(FORMAT) || status.is_file()
 }
 
 /// Bytes that a map's values take on disk once it is complete, in tiles of `tile` rows and columns.

@@ -82,11 +82,19 @@ fn what_is_written_is_read_back_and_the_rest_is_not_computed() {
 fn a_tile_whose_writing_was_cut_short_is_not_finished() {
     let (_folder, store) = sample(|_| true);
     let tiles: Vec<Tile> = store.tiles().collect();
-    fs::write(store.path().join("status/c/0/1"), [0, 0]).unwrap();
     fs::remove_file(store.path().join("status/c/2/2")).unwrap();
-    assert!(!store.is_finished(&tiles[1]).unwrap());
     assert!(!store.is_finished(&tiles[8]).unwrap());
     assert!(!store.read_map().unwrap().is_computed(34));
+    // a resumed run computes it again; to a reader it is damage
+    fs::write(store.path().join("status/c/0/1"), [0, 0]).unwrap();
+    assert!(!store.is_finished(&tiles[1]).unwrap());
+    assert!(
+        store
+            .read_map()
+            .unwrap_err()
+            .to_string()
+            .contains("`status`, chunk c/0/1")
+    );
 }
 
 #[test]
@@ -98,6 +106,13 @@ fn damaged_values_of_a_finished_tile_are_reported() {
     fs::write(store.path().join("lyapunov/c/0/0"), [0; 5]).unwrap();
     let message = store.read_map().unwrap_err().to_string();
     assert!(message.contains("`lyapunov`, chunk c/0/0"), "{message}");
+    let (_folder, store) = sample(|_| true);
+    fs::remove_file(store.path().join("divergence/c/0/0")).unwrap();
+    let message = store.read_map().unwrap_err().to_string();
+    assert!(
+        message.contains("`divergence`, chunk c/0/0: values of finished points are missing"),
+        "{message}"
+    );
 }
 
 #[test]
