@@ -36,7 +36,7 @@ assert data.x.dims == data.x_min.dims == ("x0", "zeta_k") and data.x[2, 2] == 0.
 
 for name, meanings in {
     "class": "chaotic regular quasi_periodic undecided",
-    "status": "ok runaway",
+    "status": "ok runaway under_resolved",
     "backend": "cpu_f64 cpu_f32 gpu_f32",
 }.items():
     codes = data[name]
