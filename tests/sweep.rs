@@ -46,31 +46,47 @@ fn map(experiment: &Experiment, measurements: &[Measurement]) -> ParameterMap {
     map
 }
 
-/// Share of the points of a class in `a` that are of the same class in `b`; undecided points of either are left out.
-fn agreement(class: Class, a: &[Measurement], b: &[Measurement]) -> f64 {
-    let decided = |m: &Measurement| m.class.is_some_and(|class| class != Class::Undecided);
-    let both: Vec<_> = a
+/// Number of points of a class in `a`, and how many of them are of another class in `b`; points that `b` leaves undecided
+/// count only where `strict`.
+fn disagreement(class: Class, a: &[Measurement], b: &[Measurement], strict: bool) -> (usize, usize) {
+    let counts = |b: &Measurement| strict || b.class != Some(Class::Undecided);
+    let of_class: Vec<_> = a
         .iter()
         .zip(b)
-        .filter(|(a, b)| a.class == Some(class) && decided(a) && decided(b))
+        .filter(|(a, b)| a.class == Some(class) && counts(b))
         .collect();
-    assert!(!both.is_empty(), "{class:?} does not occur");
-    both.iter().filter(|(a, b)| a.class == b.class).count() as f64 / both.len() as f64
+    assert!(!of_class.is_empty(), "{class:?} does not occur");
+    (
+        of_class.len(),
+        of_class.iter().filter(|(a, b)| a.class != b.class).count(),
+    )
 }
 
 #[test]
 fn classes_of_a_gpu_map_are_those_of_the_f64_map() {
     let Some(context) = gpu_context::open() else { return };
-    let experiment = experiment("zeta_k=0:6:64", "h1=0:1.5:64", Settings::default());
+    // long enough for most chaotic transients to end: when one ends is chance, in f64 as in f32
+    let settings = Settings {
+        transient_periods: 1500,
+        periods: 600,
+        ..Settings::default()
+    };
+    let experiment = experiment("zeta_k=0:6:64", "h1=0:1.5:64", settings);
     let reference = compute(&mut cpu(Precision::F64), &experiment);
     let gpu = compute(
         &mut Backends::new(Box::new(GpuBackend::new(context)), None),
         &experiment,
     );
-    for class in [Class::Chaotic, Class::Regular, Class::QuasiPeriodic] {
+    // there are few quasi-periodic points: one may differ, and some at the bound of the average are undecided in one map
+    for (class, strict) in [
+        (Class::Chaotic, true),
+        (Class::Regular, true),
+        (Class::QuasiPeriodic, false),
+    ] {
         for (a, b) in [(&reference, &gpu), (&gpu, &reference)] {
-            let share = agreement(class, a, b);
-            assert!(share >= 0.98, "{class:?}: {share}");
+            let (points, different) = disagreement(class, a, b, strict);
+            let allowed = (0.02 * points as f64).max(1.0);
+            assert!(different as f64 <= allowed, "{class:?}: {different} of {points}");
         }
     }
     for measurements in [&reference, &gpu] {
