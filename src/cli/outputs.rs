@@ -47,11 +47,10 @@ impl Outputs {
     /// If the pictures would be too large, the results of another experiment are in the way and `force` is not given,
     /// the place cannot be written, or the disk is too small.
     pub fn open(&self, experiment: &Experiment, tile: [usize; 2], force: bool) -> anyhow::Result<MapStore> {
-        self.check(experiment, force)?;
-        let path = self.store();
-        if path.exists() && !force {
-            return self.resumable(experiment);
+        if let Some(store) = self.check(experiment, force)? {
+            return Ok(store);
         }
+        let path = self.store();
         let size = store::size_bytes(experiment, tile);
         let free = store::free_space(&path).with_context(|| format!("cannot write {}", path.display()))?;
         if size > free {
@@ -80,11 +79,12 @@ impl Outputs {
         }
     }
 
-    /// Whether the experiment may be run and drawn under this name; writes nothing.
+    /// Whether the experiment may be run and drawn under this name; writes nothing. Returns the store to go on with, if
+    /// there is one.
     ///
     /// # Errors
     /// As [`Outputs::open`], but for what only writing can tell.
-    pub fn check(&self, experiment: &Experiment, force: bool) -> anyhow::Result<()> {
+    pub fn check(&self, experiment: &Experiment, force: bool) -> anyhow::Result<Option<MapStore>> {
         let text = self.name.to_string_lossy();
         if self.name.file_name().is_none() || text.ends_with(std::path::is_separator) {
             bail!("`{text}` names no file: give --out a name such as outputs/map");
@@ -97,14 +97,13 @@ impl Outputs {
             }
         }
         let path = self.store();
-        if !path.exists() {
-            return if force { Ok(()) } else { self.check_pictures(experiment) };
+        match (path.exists(), force) {
+            (true, false) => return self.resumable(experiment).map(Some),
+            (true, true) => self.check_replaceable()?,
+            (false, false) => self.check_pictures(experiment)?,
+            (false, true) => {}
         }
-        if force {
-            self.check_replaceable()
-        } else {
-            self.resumable(experiment).map(|_| ())
-        }
+        Ok(None)
     }
 
     fn resumable(&self, experiment: &Experiment) -> anyhow::Result<MapStore> {

@@ -57,7 +57,6 @@ pub trait Real:
 /// One truth value a lane.
 pub trait Mask: Copy {
     const LANES: usize;
-    fn and(self, other: Self) -> Self;
     fn all(self) -> bool;
     fn lane(self, lane: usize) -> bool;
 }
@@ -65,10 +64,6 @@ pub trait Mask: Copy {
 impl Mask for bool {
     const LANES: usize = 1;
 
-    #[inline(always)]
-    fn and(self, other: Self) -> Self {
-        self && other
-    }
     #[inline(always)]
     fn all(self) -> bool {
         self

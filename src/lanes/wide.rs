@@ -66,13 +66,6 @@ impl<M: Mask, const K: usize> Mask for [M; K] {
     const LANES: usize = M::LANES * K;
 
     #[inline(always)]
-    fn and(mut self, other: Self) -> Self {
-        for k in 0..K {
-            self[k] = self[k].and(other[k]);
-        }
-        self
-    }
-    #[inline(always)]
     fn all(self) -> bool {
         let mut all = true;
         for mask in self {

@@ -15,7 +15,7 @@ macro_rules! x86_vector {
         $mask:ident($mask_register:ident) = |$m:ident| $bits:expr;
         $add:ident $sub:ident $mul:ident $div:ident $fma:ident $min:ident $max:ident $sqrt:ident $set:ident $load:ident
         $store:ident, abs = |$a:ident| $abs:expr, less = |$l:ident, $r:ident| $less:expr,
-        and = |$ma:ident, $mb:ident| $and:expr, select = |$s:ident, $yes:ident, $no:ident| $select:expr
+        select = |$s:ident, $yes:ident, $no:ident| $select:expr
     ) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
@@ -31,12 +31,6 @@ macro_rules! x86_vector {
         impl Mask for $mask {
             const LANES: usize = $lanes;
 
-            #[inline(always)]
-            fn and(self, other: Self) -> Self {
-                let ($ma, $mb) = (self.0, other.0);
-                // SAFETY: the module's rule: the instruction set was detected.
-                Self(unsafe { $and })
-            }
             #[inline(always)]
             fn all(self) -> bool {
                 let $m = self.0;
@@ -152,7 +146,7 @@ x86_vector! {
     _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_fmadd_pd _mm512_min_pd _mm512_max_pd
     _mm512_sqrt_pd _mm512_set1_pd _mm512_loadu_pd _mm512_storeu_pd,
     abs = |a| _mm512_abs_pd(a), less = |l, r| _mm512_cmp_pd_mask::<_CMP_LT_OQ>(l, r),
-    and = |a, b| a & b, select = |s, yes, no| _mm512_mask_blend_pd(s, no, yes)
+    select = |s, yes, no| _mm512_mask_blend_pd(s, no, yes)
 }
 
 x86_vector! {
@@ -161,7 +155,7 @@ x86_vector! {
     _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_fmadd_ps _mm512_min_ps _mm512_max_ps
     _mm512_sqrt_ps _mm512_set1_ps _mm512_loadu_ps _mm512_storeu_ps,
     abs = |a| _mm512_abs_ps(a), less = |l, r| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(l, r),
-    and = |a, b| a & b, select = |s, yes, no| _mm512_mask_blend_ps(s, no, yes)
+    select = |s, yes, no| _mm512_mask_blend_ps(s, no, yes)
 }
 
 x86_vector! {
@@ -170,7 +164,7 @@ x86_vector! {
     _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_fmadd_pd _mm256_min_pd _mm256_max_pd
     _mm256_sqrt_pd _mm256_set1_pd _mm256_loadu_pd _mm256_storeu_pd,
     abs = |a| _mm256_andnot_pd(_mm256_set1_pd(-0.0), a), less = |l, r| _mm256_cmp_pd::<_CMP_LT_OQ>(l, r),
-    and = |a, b| _mm256_and_pd(a, b), select = |s, yes, no| _mm256_blendv_pd(no, yes, s)
+    select = |s, yes, no| _mm256_blendv_pd(no, yes, s)
 }
 
 x86_vector! {
@@ -179,5 +173,5 @@ x86_vector! {
     _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_fmadd_ps _mm256_min_ps _mm256_max_ps
     _mm256_sqrt_ps _mm256_set1_ps _mm256_loadu_ps _mm256_storeu_ps,
     abs = |a| _mm256_andnot_ps(_mm256_set1_ps(-0.0), a), less = |l, r| _mm256_cmp_ps::<_CMP_LT_OQ>(l, r),
-    and = |a, b| _mm256_and_ps(a, b), select = |s, yes, no| _mm256_blendv_ps(no, yes, s)
+    select = |s, yes, no| _mm256_blendv_ps(no, yes, s)
 }

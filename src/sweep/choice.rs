@@ -4,7 +4,7 @@
 
 use super::Backends;
 use crate::backend::cpu::CpuBackend;
-use crate::backend::gpu::{AdapterDescription, GpuBackend, GpuContext, adapters};
+use crate::backend::gpu::{GpuBackend, GpuContext, adapters};
 use crate::backend::{Backend, BackendError};
 use crate::experiment::{BackendChoice, Experiment, Precision};
 
@@ -43,14 +43,12 @@ pub fn choose(experiment: &Experiment) -> Result<Choice, BackendError> {
             if let Err(error) = experiment.check_f32() {
                 return Ok(on_cpu(error.to_string()));
             }
-            if let Some(name) = adapter {
-                let known = adapters();
-                let named = |known: &AdapterDescription| known.name.to_lowercase().contains(&name.to_lowercase());
-                if !known.iter().any(named) {
-                    return Err(BackendError::Unsupported(format!(
-                        "no GPU adapter has `{name}` in its name; `tribochaos devices` lists those that are there"
-                    )));
-                }
+            if let Some(name) = adapter
+                && !adapters().iter().any(|adapter| adapter.is_named(name))
+            {
+                return Err(BackendError::Unsupported(format!(
+                    "no GPU adapter has `{name}` in its name; `tribochaos devices` lists those that are there"
+                )));
             }
             Ok(match GpuContext::open(adapter, false) {
                 Ok(context) => {

@@ -25,6 +25,11 @@ impl fmt::Display for AdapterDescription {
 }
 
 impl AdapterDescription {
+    /// Whether `part` occurs in the name, whatever the case.
+    pub fn is_named(&self, part: &str) -> bool {
+        self.name.to_lowercase().contains(&part.to_lowercase())
+    }
+
     pub(super) fn new(info: &wgpu::AdapterInfo) -> Self {
         Self {
             name: info.name.clone(),
@@ -94,8 +99,7 @@ pub(super) fn choose(name: Option<&str>, allow_software: bool) -> Result<wgpu::A
 }
 
 fn choose_index(adapters: &[AdapterDescription], name: Option<&str>, allow_software: bool) -> Result<usize, String> {
-    let part = name.unwrap_or_default().to_lowercase();
-    let is_named = |adapter: &AdapterDescription| adapter.name.to_lowercase().contains(&part);
+    let is_named = |adapter: &AdapterDescription| adapter.is_named(name.unwrap_or_default());
     if let Some(index) = adapters
         .iter()
         .position(|adapter| is_named(adapter) && (allow_software || !adapter.is_software))
