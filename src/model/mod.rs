@@ -1,7 +1,8 @@
 //! The physics of the bush-shaft system, and nothing else: no integration, no threads, no GPU.
 //!
-//! Everything here is generic over the number type ([`crate::lanes::Real`]) and has a twin of the same name in
-//! `shaders/model/`.
+//! The equations of motion are generic over the number type ([`crate::lanes::Real`]) and have twins of the same names in
+//! `shaders/model/`; Mel'nikov's function is evaluated in f64 alone.
 
 pub mod friction;
+pub mod melnikov;
 pub mod motion;
