@@ -10,6 +10,7 @@
 //! - [`backend`]: batches of instances on the CPU or a GPU;
 //! - [`map`]: measurements over two axes, and the threshold of chaos;
 //! - [`sweep`]: from a grid to measurements, and the audit of maps;
+//! - [`analysis`]: orbits, bifurcation diagrams, sections, exponents over a line, thresholds;
 //! - [`output`]: stores, pictures and tables of maps.
 //!
 //! One point, ten lines:
@@ -29,6 +30,7 @@
 //! # Ok::<(), tribochaos::backend::BackendError>(())
 //! ```
 
+pub mod analysis;
 pub mod backend;
 pub mod dynamics;
 pub mod experiment;

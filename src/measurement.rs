@@ -145,6 +145,8 @@ pub struct Measurement {
     pub lyapunov_error: f64,
     /// The smaller of the two non-trivial exponents; equal to the maximal one where the tangent vectors rotate.
     pub lyapunov_second: f64,
+    /// Its standard error, by batch means.
+    pub lyapunov_second_error: f64,
     /// Mean divergence of the flow, which the sum of the two exponents equals.
     pub divergence: f64,
     /// Weighted Birkhoff average of the maximal exponent.
@@ -176,6 +178,7 @@ impl Measurement {
             lyapunov: f64::NAN,
             lyapunov_error: f64::NAN,
             lyapunov_second: f64::NAN,
+            lyapunov_second_error: f64::NAN,
             divergence: f64::NAN,
             lyapunov_birkhoff: f64::NAN,
             period: None,
