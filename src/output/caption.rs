@@ -7,17 +7,34 @@ use super::ticks::number;
 use crate::experiment::Scheme;
 use crate::map::ParameterMap;
 use crate::measurement::{QUANTITIES, Quantity, Values};
+use crate::parameters::Parameter;
 
 /// The paragraphs of the caption.
 pub fn of(map: &ParameterMap) -> Vec<String> {
     vec![fixed_parameters(map), numerics(map)]
 }
 
+/// What a parameter means, and its symbol, for axes.
+pub fn parameter_label(parameter: Parameter) -> String {
+    let info = parameter.info();
+    // The table is in ASCII, for terminals.
+    let meaning = info.meaning.replace("epsilon", "ε").replace("h1", "h₁");
+    format!("{meaning}, {}", info.symbol)
+}
+
+/// `symbol = value`, without a break within.
+pub fn assignment(parameter: Parameter, value: f64) -> String {
+    format!("{}\u{a0}=\u{a0}{}", parameter.info().symbol, number(value))
+}
+
 fn fixed_parameters(map: &ParameterMap) -> String {
-    // No break within `symbol = value`.
-    let fixed = map.experiment.fixed_parameters();
-    let fixed: Vec<String> = fixed
-        .map(|(parameter, value)| format!("{}\u{a0}=\u{a0}{}", parameter.info().symbol, number(value)))
+    fixed(map.experiment.fixed_parameters())
+}
+
+/// The parameters that a picture shows nowhere else.
+pub fn fixed(parameters: impl Iterator<Item = (Parameter, f64)>) -> String {
+    let fixed: Vec<String> = parameters
+        .map(|(parameter, value)| assignment(parameter, value))
         .collect();
     format!(
         "Fixed parameters: {}. All quantities are dimensionless.",

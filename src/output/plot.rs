@@ -4,6 +4,7 @@
 
 use std::fmt::Write as _;
 
+use super::caption;
 use super::colour::Rgb;
 use super::colour_bar::Bar;
 use super::figure::{Figure, FigureError};
@@ -366,8 +367,5 @@ impl Plot {
 }
 
 fn axis_label(axis: &Axis) -> String {
-    let info = axis.parameter.info();
-    // The table is in ASCII, for terminals.
-    let meaning = info.meaning.replace("epsilon", "ε").replace("h1", "h₁");
-    format!("{meaning}, {}", info.symbol)
+    caption::parameter_label(axis.parameter)
 }
