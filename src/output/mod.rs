@@ -8,10 +8,12 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 pub mod caption;
+pub mod charts;
 pub mod colour;
 mod colour_bar;
 pub mod csv;
 pub mod density;
+pub mod drawing;
 pub mod figure;
 pub mod panel;
 pub mod picture;
