@@ -18,9 +18,15 @@ macro_rules! say_on {
     }};
 }
 
+mod analysis;
+mod bifurcation;
 mod devices;
+mod lyapunov;
 mod map;
+mod melnikov;
 mod outputs;
+mod phase;
+mod poincare;
 mod point;
 mod progress;
 mod render;
@@ -49,6 +55,16 @@ enum Command {
     Point(point::PointArgs),
     /// Draw pictures again from a store, without computing
     Render(render::RenderArgs),
+    /// Draw stroboscopic states over one parameter: the bifurcation diagram
+    Bifurcation(bifurcation::BifurcationArgs),
+    /// Compute all Lyapunov exponents over one parameter, and the onset of chaos
+    Lyapunov(lyapunov::LyapunovArgs),
+    /// Draw orbits in the phase plane
+    Phase(phase::PhaseArgs),
+    /// Draw the stroboscopic section of an attractor
+    Poincare(poincare::PoincareArgs),
+    /// Evaluate Mel'nikov's function, its extremes and its thresholds
+    Melnikov(melnikov::MelnikovArgs),
     /// Tell which GPU adapters and CPU instructions there are, and which one `auto` picks
     Devices(devices::DevicesArgs),
 }
@@ -88,6 +104,11 @@ pub fn main() -> ExitCode {
         Command::Map(args) => map::run(&args),
         Command::Point(args) => point::run(&args),
         Command::Render(args) => render::run(&args),
+        Command::Bifurcation(args) => bifurcation::run(&args),
+        Command::Lyapunov(args) => lyapunov::run(&args),
+        Command::Phase(args) => phase::run(&args),
+        Command::Poincare(args) => poincare::run(&args),
+        Command::Melnikov(args) => melnikov::run(&args),
         Command::Devices(args) => devices::run(&args),
     };
     match result {
