@@ -55,7 +55,8 @@ const MAP_VALUES: usize = 81;
 const MAP_STEPS: u32 = 60;
 
 /// The curve of the threshold over the axes of a map, as points (x, y); NaN parts its pieces. It is the threshold in the
-/// x axis' parameter for each y; where M does not depend on that parameter, the threshold in the y axis' parameter.
+/// x axis' parameter for each y or, where there is none of that kind on the map (M need not depend on that parameter, or may
+/// change sign below a value of it instead of above), the threshold in the y axis' parameter for each x.
 ///
 /// # Errors
 /// If M depends on neither axis, has no homoclinic orbit there, or changes sign nowhere, or everywhere, on the map.
@@ -64,16 +65,24 @@ pub fn curve_over_map(experiment: &Experiment) -> Result<Vec<[f64; 2]>, CurveErr
         return Err(CurveError::NoMap);
     };
     let depends = |axis: &Axis| melnikov::check_parameter(axis.parameter).is_ok();
-    let (along, over, along_x) = if depends(&x) {
-        (x, y, true)
-    } else if depends(&y) {
-        (y, x, false)
-    } else {
-        return Err(CurveError::NeitherAxis {
+    let fixed = &experiment.grid.fixed;
+    let along_x = depends(&x).then(|| curve_along(fixed, &x, &y));
+    if let Some(Ok(points)) = along_x {
+        return Ok(points);
+    }
+    let along_y = depends(&y).then(|| curve_along(fixed, &y, &x));
+    match (along_x, along_y) {
+        (_, Some(Ok(points))) => Ok(points.into_iter().map(|[y, x]| [x, y]).collect()),
+        (Some(Err(error)), _) | (_, Some(Err(error))) => Err(error),
+        _ => Err(CurveError::NeitherAxis {
             x: x.parameter.name(),
             y: y.parameter.name(),
-        });
-    };
+        }),
+    }
+}
+
+/// Points (threshold in `along`'s parameter, value of `over`).
+fn curve_along(fixed: &ParameterSet, along: &Axis, over: &Axis) -> Result<Vec<[f64; 2]>, CurveError> {
     let mut search = Search::new(
         along.parameter,
         along.start.min(along.stop),
@@ -82,9 +91,9 @@ pub fn curve_over_map(experiment: &Experiment) -> Result<Vec<[f64; 2]>, CurveErr
     search.steps = MAP_STEPS;
     let over = Axis {
         count: over.count.min(MAP_VALUES),
-        ..over
+        ..*over
     };
-    let curve = threshold_curve(&experiment.grid.fixed, &search, &over)?;
+    let curve = threshold_curve(fixed, &search, &over)?;
     if curve.thresholds.iter().all(|threshold| threshold.value().is_none()) {
         let below = curve.thresholds.contains(&Threshold::BelowRange);
         return Err(CurveError::NotOnMap {
@@ -94,14 +103,9 @@ pub fn curve_over_map(experiment: &Experiment) -> Result<Vec<[f64; 2]>, CurveErr
             place: if below { "at the lower end already" } else { "nowhere" },
         });
     }
-    Ok(curve
-        .thresholds
-        .iter()
-        .enumerate()
-        .map(|(index, threshold)| {
-            let (value, other) = (threshold.value().unwrap_or(f64::NAN), over.value(index));
-            if along_x { [value, other] } else { [other, value] }
-        })
+    let points = curve.thresholds.iter().enumerate();
+    Ok(points
+        .map(|(index, threshold)| [threshold.value().unwrap_or(f64::NAN), over.value(index)])
         .collect())
 }
 
@@ -183,6 +187,13 @@ mod tests {
             [0.05, 0.125, 0.2]
         );
         assert!(curve.iter().all(|point| (point[1] - 3.6933).abs() < 1e-4), "{curve:?}");
+    }
+
+    #[test]
+    fn a_parameter_that_hinders_chaos_may_be_the_first_axis() {
+        let curve = curve_over_map(&experiment("h1=0:1:3", "zeta_k=3:5:10")).unwrap();
+        assert_eq!(curve[1][0], 0.5);
+        assert!((curve[1][1] - 3.6933).abs() < 1e-4, "{curve:?}");
     }
 
     #[test]

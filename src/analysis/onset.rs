@@ -99,14 +99,30 @@ pub fn onset(
             return Ok(Some(Onset::BelowAxis));
         };
         let fine = fine_axis(&coarse[0].axis, low, bracket.high, definition.spacing);
-        let Some(scanned) = lines(backends, &definition.settings, at, &fine, &starts, observer)? else {
-            return Ok(None);
-        };
-        if let Some(found) = first_chaos(definition, &fine, &scanned) {
-            return Ok(Some(Onset::Found(found)));
+        match scan(backends, definition, at, &fine, &starts, observer)? {
+            None => return Ok(None),
+            Some(None) => {}
+            Some(Some(found)) => return Ok(Some(Onset::Found(found))),
         }
     }
     Ok(Some(Onset::Never))
+}
+
+/// The first value of a rising axis, whose step is the definition's spacing, at which one of the initial states leads to
+/// chaos by the definition. The outer None means that the observer broke it off.
+///
+/// # Errors
+/// If the backend fails and no fall-back is left.
+pub fn scan(
+    backends: &mut Backends,
+    definition: &Definition,
+    at: &ParameterSet,
+    axis: &Axis,
+    starts: &[[f64; 2]],
+    observer: &mut Observer<'_>,
+) -> Result<Option<Option<Found>>, BackendError> {
+    let scanned = lines(backends, &definition.settings, at, axis, starts, observer)?;
+    Ok(scanned.map(|scanned| first_chaos(definition, axis, &scanned)))
 }
 
 /// A change to chaos between two values of the coarse axis, `low < high`; without `low` there is no decided value below.

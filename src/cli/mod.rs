@@ -25,6 +25,7 @@ mod lyapunov;
 mod map;
 mod melnikov;
 mod outputs;
+mod overlay;
 mod phase;
 mod poincare;
 mod point;

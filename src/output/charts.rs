@@ -108,22 +108,24 @@ pub fn phase(title: &str, orbits: &[(String, Vec<PathPoint>)], x: Limits, y: Lim
     let strobes = orbits.iter().enumerate().map(|(index, (_, path))| {
         let strobes = path.iter().filter(|point| point.is_stroboscopic);
         Layer::Marks {
-            // one legend entry for all orbits
-            name: if index == 0 {
-                STROBOSCOPIC.to_owned()
-            } else {
-                String::new()
-            },
+            name: String::new(),
             points: strobes.map(|point| [point.x, point.y]).collect(),
             colour: darker(colour_of(index)),
             radius: 3.5,
         }
     });
+    // one legend entry for all orbits
+    let legend_of_marks = Layer::Marks {
+        name: STROBOSCOPIC.to_owned(),
+        points: Vec::new(),
+        colour: [0x30; 3],
+        radius: 3.5,
+    };
     Panel {
         title: title.to_owned(),
         x: scale(ANGLE, x, points().map(|point| point.x)),
         y: scale(SPEED, y, points().map(|point| point.y)),
-        layers: curves.chain(strobes).collect(),
+        layers: curves.chain(strobes).chain([legend_of_marks]).collect(),
     }
 }
 

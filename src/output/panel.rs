@@ -255,6 +255,10 @@ impl Panel {
                 // on the side where there is room
                 let is_right = x + 12.0 + width(text, TICK_SIZE) < left + frame_width;
                 let (at, anchor) = if is_right { (x + 6.0, "start") } else { (x - 6.0, "end") };
+                // on a white ground, since curves may run behind
+                svg.push_str("<g stroke=\"#ffffff\" stroke-width=\"5\" stroke-linejoin=\"round\">\n");
+                words(svg, text, at, top + 1.4 * TICK_SIZE, TICK_SIZE, anchor);
+                svg.push_str("</g>\n");
                 words(svg, text, at, top + 1.4 * TICK_SIZE, TICK_SIZE, anchor);
             }
         }
@@ -361,7 +365,7 @@ fn draw_swatch(svg: &mut String, layer: &Layer, x: f64, middle: f64) {
 }
 
 /// Moves and lines through places; one that is not finite parts the line.
-fn path(places: impl Iterator<Item = (f64, f64)>) -> String {
+pub(super) fn path(places: impl Iterator<Item = (f64, f64)>) -> String {
     let mut path = String::new();
     let mut is_drawing = false;
     for (x, y) in places {

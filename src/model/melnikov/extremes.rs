@@ -8,7 +8,10 @@ use super::Melnikov;
 
 /// Samples of M over a period. M has kinks where w touches zero, so that its extremes are looked for by sampling and then by
 /// golden sections, which need no derivative.
-const SAMPLES: usize = 192;
+const SAMPLES: usize = 128;
+/// Samples for a first look, and how far M must keep from zero, relatively to its extent, for that to be enough.
+const COARSE_SAMPLES: usize = 48;
+const MARGIN: f64 = 0.05;
 /// Sampled extremes that are refined; M has few within a period.
 const REFINED: usize = 3;
 /// Golden sections: 0.618^40 of two sample distances is below 1e-9 of a period.
@@ -44,20 +47,33 @@ impl Melnikov {
         }
     }
 
-    /// Greatest of `sign * M`; its negative tells on which side of zero M stays where it does not change sign. See
-    /// [`super::threshold`].
+    /// On which sides of zero M lies: as [`Extremes::change_sign`], with less work.
     pub(super) fn side(&self) -> Side {
-        let mut samples = Vec::with_capacity(SAMPLES);
-        for k in 0..SAMPLES {
-            samples.push(self.closed_form(self.sample_time(k)));
+        let first = self.closed_form(0.0);
+        let (mut least, mut greatest) = (first, first);
+        for k in 1..COARSE_SAMPLES {
+            let m = self.closed_form(k as f64 / COARSE_SAMPLES as f64 * self.period());
+            (least, greatest) = (least.min(m), greatest.max(m));
             // one sample on the other side decides
-            if samples[k] * samples[0] < 0.0 {
+            if m * first < 0.0 {
                 return Side::Both;
             }
         }
-        let sign = if samples[0] < 0.0 { 1.0 } else { -1.0 };
-        let (_, across) = self.greatest(&samples, sign);
-        if across > 0.0 { Side::Both } else { Side::One }
+        // far from zero a finer look finds nothing else
+        if least.abs().min(greatest.abs()) > MARGIN * (greatest - least) {
+            return Side::One;
+        }
+        if self.extremes().change_sign() {
+            Side::Both
+        } else {
+            Side::One
+        }
+    }
+
+    /// The extreme near `at` of `sign * M`.
+    pub(super) fn peak_near(&self, at: f64, sign: f64) -> (f64, f64) {
+        let step = 2.0 * self.period() / SAMPLES as f64;
+        golden(&|t| sign * self.closed_form(t), at - step, at + step)
     }
 
     fn samples(&self) -> Vec<f64> {

@@ -6,8 +6,8 @@ use super::extremes::Side;
 use super::{Melnikov, MelnikovError, check_parameter};
 use crate::parameters::{Parameter, ParameterSet};
 
-/// Halvings of the bracket: 2^-40 of a scan's step is below 1e-12 of the range.
-const HALVINGS: u32 = 36;
+/// Halvings of the bracket: 2^-30 of a scan's step is about 1e-11 of the range.
+const HALVINGS: u32 = 30;
 
 /// Where a threshold is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,17 +82,78 @@ pub fn threshold(at: &ParameterSet, search: &Search) -> Result<Threshold, Melnik
     };
     for k in 1..=search.steps {
         if changes(value(k))? {
-            let (mut low, mut high) = (value(k - 1), value(k));
-            for _ in 0..HALVINGS {
-                let middle = 0.5 * (low + high);
-                if changes(middle)? {
-                    high = middle;
-                } else {
-                    low = middle;
+            let at = |value: f64| Melnikov::new(&at.with(search.parameter, value));
+            let bracket = [value(k - 1), value(k)];
+            if let Some(found) = followed(&at, bracket)? {
+                // what the one extreme says must hold of the whole function
+                let margin = 1e-9 * (bracket[1] - bracket[0]);
+                if changes(found + margin)? && !changes(found - margin)? {
+                    return Ok(Threshold::At(found));
                 }
             }
-            return Ok(Threshold::At(0.5 * (low + high)));
+            return Ok(Threshold::At(bisected(&changes, bracket)?));
         }
     }
     Ok(Threshold::Never)
+}
+
+/// Steps of the secant method; it takes about seven.
+const STEPS: u32 = 40;
+
+/// The zero of the extreme that crosses zero within the bracket, followed from its upper end by the Illinois variant of false
+/// position; None if it does not cross there, which other extremes may do.
+fn followed(
+    at: &impl Fn(f64) -> Result<Melnikov, MelnikovError>,
+    [mut low, mut high]: [f64; 2],
+) -> Result<Option<f64>, MelnikovError> {
+    let extremes = at(high)?.extremes();
+    // of the two sides the one that M has just reached is the shallower
+    let (mut tau_0, sign) = if -extremes.minimum < extremes.maximum {
+        (extremes.minimum_at, -1.0)
+    } else {
+        (extremes.maximum_at, 1.0)
+    };
+    let mut peak = |value: f64| {
+        let (time, peak) = at(value)?.peak_near(tau_0, sign);
+        tau_0 = time;
+        Ok::<f64, MelnikovError>(peak)
+    };
+    let (mut at_high, mut at_low) = (peak(high)?, peak(low)?);
+    if !(at_low < 0.0 && at_high > 0.0) {
+        return Ok(None);
+    }
+    let tolerance = 1e-13 * (high - low);
+    let mut last_side = 0;
+    for _ in 0..STEPS {
+        let next = (low * at_high - high * at_low) / (at_high - at_low);
+        let at_next = peak(next)?;
+        if at_next > 0.0 {
+            (high, at_high) = (next, at_next);
+            at_low *= if last_side == 1 { 0.5 } else { 1.0 };
+            last_side = 1;
+        } else {
+            (low, at_low) = (next, at_next);
+            at_high *= if last_side == -1 { 0.5 } else { 1.0 };
+            last_side = -1;
+        }
+        if high - low < tolerance || at_next.abs() < 1e-12 {
+            return Ok(Some(next));
+        }
+    }
+    Ok(None)
+}
+
+fn bisected(
+    changes: &impl Fn(f64) -> Result<bool, MelnikovError>,
+    [mut low, mut high]: [f64; 2],
+) -> Result<f64, MelnikovError> {
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if changes(middle)? {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    Ok(0.5 * (low + high))
 }
