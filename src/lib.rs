@@ -11,7 +11,8 @@
 //! - [`map`]: measurements over two axes, and the threshold of chaos;
 //! - [`sweep`]: from a grid to measurements, and the audit of maps;
 //! - [`analysis`]: orbits, bifurcation diagrams, sections, exponents over a line, thresholds;
-//! - [`output`]: stores, pictures and tables of maps.
+//! - [`output`]: stores, pictures and tables;
+//! - [`paper`]: the paper's figures and numbers, computed anew.
 //!
 //! One point, ten lines:
 //!
@@ -40,5 +41,6 @@ pub mod map;
 pub mod measurement;
 pub mod model;
 pub mod output;
+pub mod paper;
 pub mod parameters;
 pub mod sweep;

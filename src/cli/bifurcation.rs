@@ -9,7 +9,6 @@ use tribochaos::experiment::Request;
 use tribochaos::grid::Axis;
 use tribochaos::output::PROGRAM;
 use tribochaos::output::charts::{self, Component};
-use tribochaos::output::panel::Layer;
 use tribochaos::output::sheet::{SINGLE, Sheet};
 use tribochaos::parameters::Parameter;
 use tribochaos::sweep::Event;
@@ -114,10 +113,7 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
     drop(bar);
 
     let panel = charts::bifurcation("", &diagram, args.show, args.limits, SINGLE);
-    let outside = match &panel.layers[..] {
-        [Layer::Density(density)] => density.outside(),
-        _ => 0,
-    };
+    let outside = charts::outside(&panel);
     let from: Vec<String> = starts.iter().take(6).map(|&start| charts::start(start)).collect();
     let more = if starts.len() > 6 {
         format!(" and {} more", starts.len() - 6)

@@ -32,6 +32,7 @@ mod point;
 mod progress;
 mod render;
 mod report;
+mod reproduce;
 mod request;
 
 use std::process::ExitCode;
@@ -66,6 +67,8 @@ enum Command {
     Poincare(poincare::PoincareArgs),
     /// Evaluate Mel'nikov's function, its extremes and its thresholds
     Melnikov(melnikov::MelnikovArgs),
+    /// Compute the paper's figures, and the table of what it says and what the program gets
+    Reproduce(reproduce::ReproduceArgs),
     /// Tell which GPU adapters and CPU instructions there are, and which one `auto` picks
     Devices(devices::DevicesArgs),
 }
@@ -110,6 +113,7 @@ pub fn main() -> ExitCode {
         Command::Phase(args) => phase::run(&args),
         Command::Poincare(args) => poincare::run(&args),
         Command::Melnikov(args) => melnikov::run(&args),
+        Command::Reproduce(args) => reproduce::run(&args),
         Command::Devices(args) => devices::run(&args),
     };
     match result {

@@ -266,6 +266,15 @@ pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits
     }
 }
 
+/// States outside the frame of a panel with a density.
+pub fn outside(panel: &Panel) -> usize {
+    let of_layer = |layer: &Layer| match layer {
+        Layer::Density(density) => density.outside(),
+        _ => 0,
+    };
+    panel.layers.iter().map(of_layer).sum()
+}
+
 /// The value without rounding errors in its last digits.
 pub fn rounded(value: f64) -> f64 {
     format!("{value:.9e}").parse().unwrap_or(value)

@@ -17,14 +17,28 @@ pub fn write_table<const N: usize>(
     columns: [&str; N],
     rows: impl Iterator<Item = [f64; N]>,
 ) -> Result<(), TableError> {
+    write_rows(path, comments, &columns, rows)
+}
+
+/// As [`write_table`], with a number of columns that is known at run time only.
+///
+/// # Errors
+/// [`TableError`] if the file cannot be written.
+pub fn write_rows(
+    path: &Path,
+    comments: &[String],
+    columns: &[impl AsRef<str>],
+    rows: impl Iterator<Item = impl AsRef<[f64]>>,
+) -> Result<(), TableError> {
     write_whole(path, |file| {
         writeln!(file, "# {PROGRAM}")?;
         for comment in comments {
             writeln!(file, "# {comment}")?;
         }
-        writeln!(file, "{}", columns.join(","))?;
+        let names: Vec<&str> = columns.iter().map(AsRef::as_ref).collect();
+        writeln!(file, "{}", names.join(","))?;
         for row in rows {
-            for (index, value) in row.iter().enumerate() {
+            for (index, value) in row.as_ref().iter().enumerate() {
                 if index > 0 {
                     write!(file, ",")?;
                 }
