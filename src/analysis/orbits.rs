@@ -121,8 +121,9 @@ pub fn path(parameters: &ParameterSet, settings: &Settings, points_per_period: u
             state = rk4::step(&motion, &step_size, speed, state);
             start = speed.end;
         }
-        // written so that NaN fails
-        if !(state.x.abs() + state.y.abs() < RUNAWAY_BOUND) {
+        // false for NaN too
+        let is_bounded = state.x.abs() + state.y.abs() < RUNAWAY_BOUND;
+        if !is_bounded {
             return points;
         }
     }

@@ -23,9 +23,17 @@ pub fn periods(points: u64, orbits: u32) -> u32 {
     points.div_ceil(orbits.into()).try_into().unwrap_or(u32::MAX)
 }
 
-/// Stroboscopic states (x, y) at drive phase 0, `settings.periods` from each of `orbits` orbits that begin within
-/// [`SPREAD`] of (x0, y0), after `settings.transient_periods`; and how many orbits ran away. None if `progress` broke the
-/// work off.
+/// States of an attractor at drive phase 0.
+#[derive(Clone, Debug)]
+pub struct Section {
+    /// (x, y), one state of every orbit after the other for each period.
+    pub points: Vec<[f64; 2]>,
+    /// Orbits that ran away.
+    pub runaways: usize,
+}
+
+/// The stroboscopic section: `settings.periods` states from each of `orbits` orbits that begin within [`SPREAD`] of
+/// (x0, y0), after `settings.transient_periods`. None if `progress` broke the work off.
 ///
 /// # Errors
 /// If the backend fails.
@@ -35,7 +43,7 @@ pub fn section(
     at: &ParameterSet,
     orbits: u32,
     progress: &mut Progress<'_>,
-) -> Result<Option<(Vec<[f64; 2]>, usize)>, BackendError> {
+) -> Result<Option<Section>, BackendError> {
     let mut generator = ChaCha8Rng::seed_from_u64(settings.seed.into());
     let mut deviation = || ((generator.next_u64() >> 11) as f64 / (1u64 << 52) as f64 - 1.0) * SPREAD;
     let instances: Vec<ParameterSet> = (0..orbits)
@@ -58,7 +66,10 @@ pub fn section(
         &mut |_, state| points.push(state),
         progress,
     )?;
-    Ok(ends.map(|ends| (points, ends.iter().filter(|end| !is_bounded(end)).count())))
+    Ok(ends.map(|ends| Section {
+        points,
+        runaways: ends.iter().filter(|end| !is_bounded(end)).count(),
+    }))
 }
 
 #[cfg(test)]
@@ -76,9 +87,10 @@ mod tests {
             ..Settings::default()
         };
         let mut backend = CpuBackend::new(Precision::F64);
-        let (points, runaways) = section(&mut backend, &settings, &ParameterSet::default(), 100, &mut carry_on)
-            .unwrap()
-            .unwrap();
+        let Section { points, runaways } =
+            section(&mut backend, &settings, &ParameterSet::default(), 100, &mut carry_on)
+                .unwrap()
+                .unwrap();
         assert_eq!((points.len(), runaways), (4000, 0));
         // after the transient, the states of all orbits at one time are spread over a whole band of the attractor
         let extent = |points: &[[f64; 2]]| {

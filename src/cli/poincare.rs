@@ -66,9 +66,10 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
         orbits as usize,
     );
     let mut hear = |periods| bar.hear(Event::Advanced(periods));
-    let (mut points, runaways) = section::section(choice.backends.active_mut(), settings, at, orbits, &mut hear)
-        .map_err(Failure::backend)?
-        .ok_or_else(|| Failure::Interrupted("nothing is drawn".into()))?;
+    let section::Section { mut points, runaways } =
+        section::section(choice.backends.active_mut(), settings, at, orbits, &mut hear)
+            .map_err(Failure::backend)?
+            .ok_or_else(|| Failure::Interrupted("nothing is drawn".into()))?;
     drop(bar);
     if points.is_empty() {
         return Err(Failure::Run(anyhow::anyhow!(

@@ -32,14 +32,14 @@ const PANELS: [Panel; 3] = [
         h1: 0.5,
         solid: 3.5,
         broken: 3.9,
-        top: 24.0,
+        top: 25.0,
     },
     Panel {
         letter: "c",
         h1: 1.0,
         solid: 3.9,
         broken: 4.2,
-        top: 28.0,
+        top: 30.0,
     },
 ];
 

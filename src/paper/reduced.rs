@@ -250,7 +250,7 @@ pub fn figure_3_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
     let work = Work::new(effort);
     let found = finished!(wide_onset(&work, 0.0, &STARTS, observer));
     let drawn = [
-        finished!(bifurcation_panel(&work, "a", 0.0, WIDE, [-2.7, 1.2], observer)),
+        finished!(bifurcation_panel(&work, "a", 0.0, WIDE, [-2.7, 1.4], observer)),
         finished!(bifurcation_panel(&work, "b", 0.0, NARROW, [-0.9, 1.1], observer)),
         finished!(exponents_panel(
             &work,
@@ -295,7 +295,7 @@ pub fn figure_3_2(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
     let other = finished!(wide_onset(&work, 0.5, &STARTS[..1], observer));
     let one = finished!(wide_onset(&work, 1.0, &STARTS, observer));
     let tried = finished!(below(&work, 1.0, one.as_ref(), observer));
-    let x = [-2.7, 1.2];
+    let x = [-2.7, 1.4];
     let drawn = [
         finished!(bifurcation_panel(&work, "a", 0.5, WIDE, x, observer)),
         finished!(bifurcation_panel(&work, "b", 1.0, WIDE, x, observer)),

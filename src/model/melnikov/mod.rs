@@ -55,8 +55,9 @@ impl Melnikov {
     /// [`MelnikovError::NoHomoclinicOrbit`] unless b > 0.
     pub fn new(parameters: &ParameterSet) -> Result<Self, MelnikovError> {
         let b = parameters[Parameter::B];
-        // written so that NaN fails
-        if !(b > 0.0) {
+        // false for NaN too
+        let has_wells = b > 0.0;
+        if !has_wells {
             return Err(MelnikovError::NoHomoclinicOrbit { b });
         }
         let omega_0 = parameters[Parameter::Omega0];
