@@ -5,4 +5,5 @@
 
 pub mod friction;
 pub mod motion;
+pub mod rubbing;
 pub mod thermal_modes;
