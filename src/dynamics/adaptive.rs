@@ -352,7 +352,8 @@ impl<R: Real> Orbit<R> {
         // a step cut short by the end of the period says nothing of the next one
         let free = R::select(ticks.less(self.step), self.step, ticks * growth);
         let next = R::select(kept, R::select(zero.less(moved), ticks * moved, free), ticks * again);
-        self.step = R::select(running, next.min(R::splat(f64::from(LONGEST_STEP))), self.step);
+        let next = R::from_ticks(next.min(R::splat(f64::from(LONGEST_STEP))).max(zero).to_ticks());
+        self.step = R::select(running, next, self.step);
         self.give_up(running);
     }
 
@@ -623,7 +624,7 @@ fn advanced<R: Real>(step: &ModeStep<R>, mode: R, flux: [R; 3]) -> R {
 /// How far below zero a pressure counts as zero: p is a difference of numbers of the size of the worn depth.
 #[inline(always)]
 fn contact_tolerance<R: Real>(fit: R) -> R {
-    let unit = if size_of::<R::Scalar>() == 4 { 4e-6 } else { 1e-9 };
+    let unit = if size_of::<R::Scalar>() == 4 { 4e-6 } else { 1e-6 };
     R::splat(unit) * (fit.abs() + R::splat(1.0))
 }
 
