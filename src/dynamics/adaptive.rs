@@ -18,7 +18,7 @@ pub const TICKS: u32 = 1 << 28;
 
 /// Shortest step and longest, in ticks: the longest is a sixteenth of a period, which f32 holds exactly.
 pub const LONGEST_STEP: u32 = TICKS / 16;
-pub const SHORTEST_STEP: u32 = 16;
+pub const SHORTEST_STEP: u32 = 2;
 
 /// The first step of a run.
 pub const FIRST_STEP: u32 = TICKS / 4096;
@@ -29,12 +29,12 @@ pub const PASS_BUDGET: u32 = 20_000;
 /// Pressure beyond which the contact has run away: thermal expansion feeds the friction that heats.
 pub const PRESSURE_BOUND: f64 = 1e9;
 
-/// Beyond a boundary of the friction layer, in half-widths of the layer: where a step is cut, where the cut aims, and
-/// from where on the next piece has begun. A lane that turns at the boundary does not chatter, and the tangent misses
-/// no more of the layer than that.
+/// Near a boundary of the friction layer, in half-widths of the layer: how far beyond it a step is cut, how far beyond
+/// the cut aims, and from how far before it a lane that is on its way out is taken to have reached the next piece. Between
+/// these a lane may turn without chatter, and the tangent misses no more of the layer than that.
 const CUT: f64 = 2e-3;
-const AIM: f64 = 1e-3;
-const BEGUN: f64 = 2.5e-4;
+const AIM: f64 = 5e-4;
+const REACHED: f64 = 5e-4;
 
 /// Bounds of a sliding velocity that meets no boundary.
 const FAR: f64 = 1e30;
@@ -348,7 +348,7 @@ impl<R: Real> Orbit<R> {
         self.keep(system, peaks, &start, &drive, &trial, &memory, scratch, h, elapsed, kept);
         self.left = self.left.minus(R::select(kept, ticks, zero).to_ticks());
 
-        let moved = self.switch(rubbing, &trial);
+        let moved = self.switch(rubbing, &start, &trial);
         // a step cut short by the end of the period says nothing of the next one
         let free = R::select(ticks.less(self.step), self.step, ticks * growth);
         let next = R::select(kept, R::select(zero.less(moved), ticks * moved, free), ticks * again);
@@ -567,11 +567,12 @@ impl<R: Real> Orbit<R> {
 
     /// Moves a lane to the piece that it has reached; returns the factor for its next step, 0 where it has not moved.
     #[inline(always)]
-    fn switch(&mut self, rubbing: &Rubbing<R>, trial: &Trial<R>) -> R {
+    fn switch(&mut self, rubbing: &Rubbing<R>, start: &Start<R>, trial: &Trial<R>) -> R {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let [low, high] = self.bounds(rubbing);
-        let begun = R::splat(BEGUN) * rubbing.epsilon_0;
-        let (up, down) = ((high + begun).less(self.v), self.v.less(low - begun));
+        let reached = R::splat(REACHED) * rubbing.epsilon_0;
+        let up = (high - reached).less(self.v).and(start.v.less(self.v));
+        let down = self.v.less(low + reached).and(self.v.less(start.v));
         let moved = up.or(down);
         if R::select(moved, one, zero).less(R::splat(0.5)).all() {
             return zero;
@@ -652,78 +653,6 @@ impl<R: Real> Peaks<R> {
             pressure_time: [zero; 2],
             temperature: zero,
             lost: [R::splat(-1.0), zero],
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::thermal_modes::ThermalModes;
-    use crate::parameters::{Parameter, ParameterSet};
-
-    fn go<R: Real>(p: ParameterSet, m: usize, tol: f64, transient: u32, periods: u32) {
-        let tm = ThermalModes::new(p[Parameter::Biot], m);
-        let hm = HeatModes::new(&p, &tm);
-        let system = System::<R>::new(|q| R::splat(p[q]), |_| &hm);
-        let control = Control { tolerance: R::splat(tol) };
-        let mut orbit = Orbit::start(&system, R::splat(p[Parameter::X0]), R::splat(p[Parameter::Y0]));
-        let mut peaks = Peaks::start(&orbit);
-        let mut tangent = Tangent::start(m + 1);
-        let zero = R::splat(0.0);
-        let mut scratch = vec![
-            decay::Decay {
-                factor: zero,
-                moments: [zero; 3]
-            };
-            m + 1
-        ];
-        let mut growth = 0.0;
-        let t = std::time::Instant::now();
-        for n in 0..transient + periods {
-            orbit.period(&system, &control, &mut peaks, Some(&mut tangent), &mut scratch);
-            let g = tangent.normalise(&system, R::splat(1.0)).lane(0).ln();
-            if n >= transient {
-                growth += g;
-            }
-            if peaks.lost[0].lane(0) >= 0.0 {
-                break;
-            }
-        }
-        let per = TAU / p[Parameter::Omega0];
-        println!(
-            "zeta {} lost {:.5} wear {:.5} peak {:.4} @ {:.4} temp {:.2} lyap {:.6} n {} x {:.6} y {:.6} under {} time {:?}",
-            p[Parameter::ZetaK],
-            peaks.lost[0].lane(0) * per + peaks.lost[1].lane(0),
-            1.0 - orbit.fit.lane(0),
-            peaks.pressure.lane(0),
-            peaks.pressure_time[0].lane(0) * per + peaks.pressure_time[1].lane(0),
-            peaks.temperature.lane(0),
-            growth / (f64::from(periods) * per),
-            orbit.periods.lane(0),
-            orbit.x.lane(0),
-            orbit.y(&system).lane(0),
-            orbit.under_resolved.lane(0), t.elapsed() / (transient + periods)
-        );
-    }
-
-    #[test]
-    fn look() {
-        let base = ParameterSet::default()
-            .with(Parameter::X0, 0.0)
-            .with(Parameter::Gamma, 1.87);
-        for z in [3.5, 3.9] {
-            let p = base.with(Parameter::ZetaK, z);
-            go::<f64>(p.with(Parameter::KW, 0.01), 12, 1e-4, 0, 60);
-            go::<f32>(p.with(Parameter::KW, 0.01), 12, 1e-4, 0, 60);
-            go::<f64>(p, 12, 1e-4, 200, 100);
-            go::<f64>(p, 12, 1e-6, 200, 100);
-            go::<f32>(p, 12, 1e-4, 200, 100);
-        }
-        for z in 0..13 {
-            let p = base.with(Parameter::ZetaK, f64::from(z));
-            go::<f64>(p.with(Parameter::KW, 0.01), 12, 1e-4, 0, 60);
-            go::<f32>(p.with(Parameter::KW, 0.01), 12, 1e-4, 0, 60);
         }
     }
 }

@@ -120,7 +120,7 @@ mod tests {
             assert!((decay.factor - (-z).exp()).abs() < 3e-14 * (-z).exp() + 1e-16, "factor at {z}");
             for k in 0..3 {
                 let error = decay.moments[k] / moment(z, k as i32) - 1.0;
-                assert!(error.abs() < 5e-14, "moment {k} at {z}: {error:e}");
+                assert!(error.abs() < 3e-13, "moment {k} at {z}: {error:e}");
             }
         }
     }
@@ -130,9 +130,9 @@ mod tests {
         for i in 1..2000 {
             let z = 0.01 * f64::from(i);
             let (double, single) = (decay(z, 1.0 / z), decay(z as f32, 1.0 / z as f32));
-            assert!((f64::from(single.factor) - double.factor).abs() < 3e-6 * double.factor + 1e-7, "{z}");
+            assert!((f64::from(single.factor) - double.factor).abs() < 1e-5 * double.factor + 1e-7, "{z}");
             for k in 0..3 {
-                assert!((f64::from(single.moments[k]) / double.moments[k] - 1.0).abs() < 3e-6, "{z} {k}");
+                assert!((f64::from(single.moments[k]) / double.moments[k] - 1.0).abs() < 1e-5, "{z} {k}");
             }
         }
     }
