@@ -104,7 +104,7 @@ mod tests {
         let dense = cubic(|s: f64| (3.0 * s).sin());
         for level in [0.05, 0.3, 0.7, 0.8] {
             let s = dense.crossing(level, 0.0, 0.55);
-            assert!((dense.at(s) - level).abs() < 1e-6, "{level}");
+            assert!((dense.at(s) - level).abs() < 1e-4, "{level}");
         }
     }
 
