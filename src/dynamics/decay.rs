@@ -132,7 +132,7 @@ mod tests {
             let (double, single) = (decay(z, 1.0 / z), decay(z as f32, 1.0 / z as f32));
             assert!((f64::from(single.factor) - double.factor).abs() < 1e-5 * double.factor + 1e-7, "{z}");
             for k in 0..3 {
-                assert!((f64::from(single.moments[k]) / double.moments[k] - 1.0).abs() < 5e-5, "{z} {k}");
+                assert!((f64::from(single.moments[k]) / double.moments[k] - 1.0).abs() < 1e-4, "{z} {k}");
             }
         }
     }

@@ -54,7 +54,7 @@ impl<R: Real> Cubic<R> {
     pub fn crossing(&self, level: R, from: R, to: R) -> R {
         let (before, beyond) = (self.at(from) - level, self.at(to) - level);
         let mut s = from + (to - from) * (before / (before - beyond));
-        for _ in 0..3 {
+        for _ in 0..4 {
             s = (s - (self.at(s) - level) / self.slope(s)).max(from).min(to);
         }
         s
