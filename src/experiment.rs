@@ -15,8 +15,30 @@ use crate::parameters::{PARAMETERS, Parameter, ParameterError, ParameterSet};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Scheme {
+    /// Taylor series of order 8, in steps that end at the boundaries of the friction layer.
+    Taylor,
     /// The classical Runge-Kutta scheme of order 4 with a fixed step, as in the paper.
     Rk4,
+}
+
+impl Scheme {
+    pub const ALL: [Self; 2] = [Self::Taylor, Self::Rk4];
+
+    /// The name in files and commands.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Taylor => "taylor",
+            Self::Rk4 => "rk4",
+        }
+    }
+
+    /// Steps in a forcing period where none are asked for. Taylor's: events add to them.
+    pub fn default_steps_per_period(self) -> u32 {
+        match self {
+            Self::Taylor => 28,
+            Self::Rk4 => 628,
+        }
+    }
 }
 
 /// Where instances are integrated.
@@ -49,17 +71,19 @@ pub struct InitialBox {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
-    /// Stepping scheme: `rk4`.
-    pub scheme: Scheme,
-    /// Steps in a forcing period (628, the paper's).
-    pub steps_per_period: u32,
+    /// Stepping scheme: `taylor` or `rk4` (taylor). [`Settings::scheme`] resolves it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scheme: Option<Scheme>,
+    /// Steps in a forcing period: by default what suits the scheme. [`Settings::steps_per_period`] resolves it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steps_per_period: Option<u32>,
     /// Forcing periods before the measurement (300).
     pub transient_periods: u32,
     /// The last periods of the transient, in which the tangent vectors turn to their directions (50).
     pub align_periods: u32,
     /// Measured forcing periods (250).
     pub periods: u32,
-    /// Steps between two renormalisations of the tangent vectors (314); one ends every period besides.
+    /// Steps of rk4 between two renormalisations of the tangent vectors (314); one ends every period besides.
     pub renormalise_every: u32,
     /// Two stroboscopic states are the same where x and y differ by less (1e-4).
     pub period_tolerance: f64,
@@ -85,8 +109,8 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            scheme: Scheme::Rk4,
-            steps_per_period: 628,
+            scheme: None,
+            steps_per_period: None,
             transient_periods: 300,
             align_periods: 50,
             periods: 250,
@@ -110,6 +134,26 @@ impl Default for Settings {
 pub const MIN_EPSILON_0_F32: f64 = 1e-4;
 
 impl Settings {
+    /// The stepping scheme.
+    pub fn scheme(&self) -> Scheme {
+        self.scheme.unwrap_or(Scheme::Taylor)
+    }
+
+    /// Steps in a forcing period.
+    pub fn steps_per_period(&self) -> u32 {
+        self.steps_per_period
+            .unwrap_or_else(|| self.scheme().default_steps_per_period())
+    }
+
+    /// The settings with the scheme and its steps written out, so that a later default changes nothing.
+    fn resolved(&self) -> Self {
+        Self {
+            scheme: Some(self.scheme()),
+            steps_per_period: Some(self.steps_per_period()),
+            ..self.clone()
+        }
+    }
+
     fn check(&self) -> Result<(), ExperimentError> {
         let range = |name: &'static str, value: f64, min: f64, max: f64| {
             if (min..=max).contains(&value) {
@@ -118,7 +162,7 @@ impl Settings {
                 Err(ExperimentError::Setting { name, value, min, max })
             }
         };
-        range("steps_per_period", self.steps_per_period.into(), 8.0, 100_000.0)?;
+        range("steps_per_period", self.steps_per_period().into(), 8.0, 100_000.0)?;
         range("transient_periods", self.transient_periods.into(), 0.0, 1e7)?;
         range(
             "align_periods",
@@ -240,7 +284,7 @@ impl Request {
         }
         let experiment = Experiment {
             grid: Grid { axes, fixed },
-            settings: self.settings.clone(),
+            settings: self.settings.resolved(),
         };
         experiment.settings.check()?;
         if experiment.settings.precision == Some(Precision::F32) || experiment.settings.backend == BackendChoice::Gpu {
@@ -289,20 +333,29 @@ impl Experiment {
 
     /// What the user should know before a long run, each a sentence.
     pub fn warnings(&self) -> Vec<String> {
+        match self.settings.scheme() {
+            // its steps shorten themselves, and where they cannot, the point is under-resolved
+            Scheme::Taylor => Vec::new(),
+            Scheme::Rk4 => self.fixed_step_warnings(),
+        }
+    }
+
+    fn fixed_step_warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
+        let steps_per_period = self.settings.steps_per_period();
         // RK4 is stable where (decay rate)*(step) is below 2.785; the layer's decay rate is eps*F0*2/eps0.
         let rate =
             self.extent(Parameter::Epsilon).1 * self.extent(Parameter::F0).1 * 2.0 / self.extent(Parameter::Epsilon0).0;
-        let step = TAU / (self.extent(Parameter::Omega0).0 * f64::from(self.settings.steps_per_period));
+        let step = TAU / (self.extent(Parameter::Omega0).0 * f64::from(steps_per_period));
         if rate * step > 2.785 {
-            let enough = (f64::from(self.settings.steps_per_period) * rate * step / 2.0).ceil();
+            let enough = (f64::from(steps_per_period) * rate * step / 2.0).ceil();
             warnings.push(format!(
                 "the step is too long for the friction layer (rate {rate:.3} x step {step:.3e} is above 2.785, RK4's \
                  limit of stability): sticking will be wrong; use --steps-per-period {enough} or more"
             ));
         }
         // between two renormalisations the second tangent vector shrinks against the first by up to this exponent
-        let every = self.settings.renormalise_every.min(self.settings.steps_per_period);
+        let every = self.settings.renormalise_every.min(steps_per_period);
         let shrinkage = rate * step * f64::from(every);
         let digits = match self.settings.precision {
             Some(Precision::F64) => -f64::EPSILON.ln(),
@@ -385,6 +438,27 @@ mod tests {
     }
 
     #[test]
+    fn the_default_number_of_steps_is_the_scheme_s() {
+        let mut request = Request::default();
+        let steps = |request: &Request| {
+            let settings = request.resolve().unwrap().settings;
+            (settings.scheme.unwrap(), settings.steps_per_period.unwrap())
+        };
+        assert_eq!(steps(&request), (Scheme::Taylor, Scheme::Taylor.default_steps_per_period()));
+        request.settings.scheme = Some(Scheme::Rk4);
+        assert_eq!(steps(&request), (Scheme::Rk4, 628));
+        request.settings.steps_per_period = Some(100);
+        assert_eq!(steps(&request), (Scheme::Rk4, 100));
+    }
+
+    #[test]
+    fn names_of_schemes_are_those_in_files() {
+        for scheme in Scheme::ALL {
+            assert_eq!(serde_json::to_value(scheme).unwrap(), scheme.name());
+        }
+    }
+
+    #[test]
     fn an_empty_file_is_the_default_experiment() {
         assert_eq!(Request::from_toml("").unwrap(), Request::default());
     }
@@ -420,10 +494,13 @@ mod tests {
     #[test]
     fn steps_and_renormalisations_too_far_apart_for_the_layer_are_warned_of() {
         let mut request = Request::default();
+        request.settings.scheme = Some(Scheme::Rk4);
         assert!(request.resolve().unwrap().warnings().is_empty());
         request.set.insert("epsilon_0".into(), 1e-5);
         let warnings = request.resolve().unwrap().warnings();
         assert!(warnings[0].contains("--steps-per-period"));
         assert!(warnings[1].contains("--renormalise-every"));
+        request.settings.scheme = None;
+        assert!(request.resolve().unwrap().warnings().is_empty());
     }
 }

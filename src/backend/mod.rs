@@ -59,6 +59,8 @@ pub struct EndState {
     pub candidates: u32,
     /// The forcing period of the run, counted from 1, at whose end the instance was first found to have run away.
     pub runaway_period: Option<u32>,
+    /// Whether the scheme gave the instance up: its motion needed more, or shorter, steps than there may be.
+    pub under_resolved: bool,
 }
 
 /// Integrates batches of instances.
@@ -246,7 +248,8 @@ impl Growth {
             initial_state: [parameters[Parameter::X0], parameters[Parameter::Y0]],
         };
         // written so that NaN fails
-        let resolved = measurement.divergence_defect().abs() <= DEFECT_BOUND * (1.0 + measurement.divergence.abs())
+        let resolved = !end.under_resolved
+            && measurement.divergence_defect().abs() <= DEFECT_BOUND * (1.0 + measurement.divergence.abs())
             && lyapunov_error.is_finite()
             && lyapunov_birkhoff.is_finite();
         if resolved {

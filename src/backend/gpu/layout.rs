@@ -50,7 +50,7 @@ impl Run {
     pub fn new(settings: &Settings, instances: u32) -> Self {
         Self {
             instances,
-            steps_per_period: settings.steps_per_period,
+            steps_per_period: settings.steps_per_period(),
             renormalise_every: settings.renormalise_every,
             unrecorded: settings.periods - stroboscope::window(settings.periods),
             period_tolerance: settings.period_tolerance as f32,
@@ -118,6 +118,7 @@ pub struct Orbit {
     pub x_max: f32,
     pub candidates: u32,
     pub runaway_period: u32,
+    pub under_resolved: u32,
 }
 
 impl Orbit {
@@ -136,6 +137,7 @@ impl Orbit {
             x_max: x,
             candidates: u32::MAX,
             runaway_period: 0,
+            under_resolved: 0,
         }
     }
 }
@@ -149,6 +151,7 @@ impl From<Orbit> for EndState {
             x_max: orbit.x_max.into(),
             candidates: orbit.candidates,
             runaway_period: (orbit.runaway_period > 0).then_some(orbit.runaway_period),
+            under_resolved: orbit.under_resolved > 0,
         }
     }
 }
