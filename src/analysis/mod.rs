@@ -8,6 +8,7 @@ pub mod exponents;
 pub mod melnikov;
 pub mod onset;
 pub mod orbits;
+pub mod path;
 pub mod section;
 
 use std::ops::ControlFlow;

@@ -7,9 +7,9 @@ use serde_json::json;
 use tribochaos::analysis::bifurcation::{Columns, diagram};
 use tribochaos::experiment::Request;
 use tribochaos::grid::Axis;
-use tribochaos::output::PROGRAM;
 use tribochaos::output::charts::{self, Component};
 use tribochaos::output::sheet::{SINGLE, Sheet};
+use tribochaos::output::{PROGRAM, caption};
 use tribochaos::parameters::Parameter;
 use tribochaos::sweep::Event;
 
@@ -126,12 +126,12 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
         Columns::FollowDown => "followed downward from",
     };
     let mut numerics = format!(
-        "{} values, {manner} (x, y) = {}{more}; {} states each after {} forcing periods, {} steps per period. ",
+        "{} values, {manner} (x, y) = {}{more}; {} states each after {} forcing periods. {}. ",
         axis.count,
         from.join(", "),
         settings.periods,
         settings.transient_periods,
-        settings.steps_per_period
+        caption::scheme(settings)
     );
     if outside > 0 {
         numerics += &format!("{outside} of {} states lie outside the frame. ", diagram.len());

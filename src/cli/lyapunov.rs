@@ -9,7 +9,7 @@ use tribochaos::analysis::onset::{Definition, Found, Onset, onset};
 use tribochaos::experiment::{Request, Settings};
 use tribochaos::grid::Axis;
 use tribochaos::output::sheet::Sheet;
-use tribochaos::output::{PROGRAM, charts};
+use tribochaos::output::{PROGRAM, caption, charts};
 use tribochaos::parameters::Parameter;
 use tribochaos::sweep;
 
@@ -20,7 +20,7 @@ use super::{Failure, report};
 
 /// The onset is the least value, on a fine grid within the bracket of the first upward change, with an exponent above 0.005
 /// over 100 periods after 380, on motion that is neither regular nor quasi-periodic; the friction layer is resolved there
-/// (4000 steps a period). Without x0, y0 and --start, three initial states are tried: (0.1, 0), (1, 0) and (-1, 0).
+/// (rk4 takes at least 4000 steps a period). Without x0, y0 and --start, three initial states are tried: (0.1, 0), (1, 0) and (-1, 0).
 #[derive(Args)]
 #[command(after_help = request::help())]
 pub struct LyapunovArgs {
@@ -165,12 +165,12 @@ fn draw(
     let caption = vec![
         charts::fixed(at, &shown),
         format!(
-            "{} values, each from (x, y) = {}; {} measured forcing periods after {}, {} steps per period. {PROGRAM}.",
+            "{} values, each from (x, y) = {}; {} measured forcing periods after {}. {}. {PROGRAM}.",
             line.axis.count,
             charts::start(line.start),
             settings.periods,
             settings.transient_periods,
-            settings.steps_per_period
+            caption::scheme(settings)
         ),
     ];
     let figure = Sheet::single(panel, caption).draw().map_err(Failure::run)?;
@@ -223,7 +223,7 @@ fn words(onset: Option<&Onset>, parameter: Parameter, definition: &Definition) -
         }
         Some(Onset::Found(found)) => format!(
             "onset: {parameter} = {} +- {}, from (x, y) = ({}, {}), with exponent {:.4} +- {:.4}; by {} + {} periods of {} \
-             steps on multiples of {}",
+             {} steps on multiples of {}",
             charts::rounded(found.value),
             found.spacing,
             found.start[0],
@@ -232,7 +232,8 @@ fn words(onset: Option<&Onset>, parameter: Parameter, definition: &Definition) -
             found.error,
             definition.settings.transient_periods,
             definition.settings.periods,
-            definition.settings.steps_per_period,
+            definition.settings.steps_per_period(),
+            definition.settings.scheme().name(),
             definition.spacing,
         ),
     }

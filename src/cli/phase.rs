@@ -3,11 +3,11 @@
 use clap::Args;
 use serde_json::{Value, json};
 use tribochaos::analysis::exponents::from;
-use tribochaos::analysis::orbits::path;
+use tribochaos::analysis::path::path;
 use tribochaos::experiment::Request;
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts};
-use tribochaos::parameters::Parameter;
+use tribochaos::parameters::{Parameter, ParameterSet};
 
 use super::Failure;
 use super::analysis::{self, Files, OutArgs, StartArgs, Values};
@@ -40,6 +40,11 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
     let settings = &experiment.settings;
     let starts = args.start.resolve(&args.experiment, &experiment)?;
     let points = analysis::points(args.at.as_ref(), &experiment.grid.fixed, &args.experiment.set)?;
+    if points.iter().any(ParameterSet::is_rubbed) {
+        return Err(Failure::Input(anyhow::anyhow!(
+            "the phase plane is drawn at constant contact pressure, without frictional heat and wear: set gamma = 0 and k_w = 0"
+        )));
+    }
     let count = points.len() * starts.len();
     if count > MOST_ORBITS {
         return Err(Failure::Input(anyhow::anyhow!(
@@ -99,8 +104,10 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
     let caption = vec![
         charts::fixed(&experiment.grid.fixed, &shown),
         format!(
-            "{} forcing periods after {}, {} steps per period, integrated on CPU (f64). {PROGRAM}.",
-            settings.periods, settings.transient_periods, settings.steps_per_period
+            "{} forcing periods after {}. {}, integrated on CPU (f64). {PROGRAM}.",
+            settings.periods,
+            settings.transient_periods,
+            caption::scheme(settings)
         ),
     ];
     let sheet = Sheet::single(charts::phase("", &orbits, None, None), caption);

@@ -8,7 +8,7 @@ use tribochaos::analysis::section::{self, ORBITS};
 use tribochaos::experiment::Request;
 use tribochaos::output::panel::Layer;
 use tribochaos::output::sheet::{SINGLE, Sheet};
-use tribochaos::output::{PROGRAM, charts};
+use tribochaos::output::{PROGRAM, caption, charts};
 use tribochaos::sweep::Event;
 
 use super::analysis::{self, Files, OutArgs};
@@ -85,10 +85,10 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
         _ => (0, 0),
     };
     let mut numerics = format!(
-        "{} states of {orbits} orbits begun within 0.001 of (x₀, y₀), after {} forcing periods; {} steps per period. ",
+        "{} states of {orbits} orbits begun within 0.001 of (x₀, y₀), after {} forcing periods. {}. ",
         points.len(),
         settings.transient_periods,
-        settings.steps_per_period
+        caption::scheme(settings)
     );
     if outside > 0 {
         numerics += &format!("{outside} states lie outside the window. ");

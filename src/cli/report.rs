@@ -20,10 +20,9 @@ pub fn plan(experiment: &Experiment) -> String {
             axis.parameter, axis.start, axis.stop, axis.count
         );
     }
-    let Scheme::Rk4 = settings.scheme;
     let _ = write!(
         plan,
-        ": {} points{}, {} + {} periods of {} rk4 steps",
+        ": {} points{}, {} + {} periods of {} {} steps",
         experiment.grid.len(),
         if settings.initial_states > 1 {
             format!(" x {} initial states", settings.initial_states)
@@ -32,7 +31,8 @@ pub fn plan(experiment: &Experiment) -> String {
         },
         settings.transient_periods,
         settings.periods,
-        settings.steps_per_period
+        settings.steps_per_period(),
+        settings.scheme().name()
     );
     plan
 }
@@ -63,16 +63,15 @@ pub fn summary(map: &ParameterMap, computed: usize, elapsed: Duration, devices: 
             "all {points} points were in the store already; --force computes them again"
         );
     } else {
-        let steps = computed as f64
+        let periods = computed as f64
             * f64::from(settings.initial_states)
-            * f64::from(settings.steps_per_period)
             * f64::from(settings.transient_periods + settings.periods);
-        let rate = steps / elapsed.as_secs_f64();
+        let rate = periods / elapsed.as_secs_f64();
         let took = duration(elapsed);
         let devices = devices.join(", then ");
         let _ = writeln!(
             text,
-            "{computed} points in {took}: {rate:.2e} instance-steps/s on {devices}"
+            "{computed} points in {took}: {rate:.2e} instance-periods/s on {devices}"
         );
     }
     let share = |count: usize| format!("{count} ({:.1} %)", 100.0 * count as f64 / points as f64);
@@ -104,10 +103,11 @@ pub fn summary(map: &ParameterMap, computed: usize, elapsed: Duration, devices: 
         "check:  sum of the exponents = mean divergence to {defect:.1e} at every resolved point"
     );
     if under_resolved > 0 {
-        let _ = writeln!(
-            text,
-            "warning: {under_resolved} points are under-resolved: use more --steps-per-period or a smaller --renormalise-every"
-        );
+        let remedy = match settings.scheme() {
+            Scheme::Taylor => "their motion is too stiff for this scheme within its least step or most steps a period",
+            Scheme::Rk4 => "use more --steps-per-period or a smaller --renormalise-every",
+        };
+        let _ = writeln!(text, "warning: {under_resolved} points are under-resolved: {remedy}");
     }
     let onsets = threshold(map);
     let count = |matches: fn(&OnsetKind) -> bool| onsets.iter().filter(|onset| matches(&onset.kind)).count();

@@ -20,10 +20,11 @@ pub struct ExperimentArgs {
     /// Value of a parameter that is no axis; may be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(Parameter, f64)>,
-    /// Stepping scheme: rk4, the paper's fixed step [default: rk4]
+    /// Stepping scheme: taylor, whose steps end at the friction layer's boundaries, or rk4, the paper's fixed step
+    /// [default: taylor]
     #[arg(long, help_heading = "Numerical settings", value_parser = named::<Scheme>)]
     pub scheme: Option<Scheme>,
-    /// Steps in a forcing period [default: 628]
+    /// Steps in a forcing period [default: 28 of taylor, 628 of rk4]
     #[arg(long, help_heading = "Numerical settings", value_name = "STEPS")]
     pub steps_per_period: Option<u32>,
     /// Forcing periods before the measurement [default: 300]
@@ -36,7 +37,7 @@ pub struct ExperimentArgs {
     /// Measured forcing periods [default: 250]
     #[arg(long, help_heading = "Numerical settings", value_name = "PERIODS")]
     pub periods: Option<u32>,
-    /// Steps between renormalisations of the tangent vectors, besides one at each period's end [default: 314]
+    /// Steps of rk4 between renormalisations of the tangent vectors, besides one at each period's end [default: 314]
     #[arg(long, help_heading = "Numerical settings", value_name = "STEPS")]
     pub renormalise_every: Option<u32>,
     /// Stroboscopic states are the same where x and y differ by less [default: 1e-4]
@@ -72,11 +73,17 @@ impl ExperimentArgs {
         macro_rules! apply {
             ($($field:ident)*) => { $(if let Some(value) = self.$field { settings.$field = value; })* };
         }
-        apply!(scheme steps_per_period transient_periods align_periods periods renormalise_every period_tolerance
+        apply!(transient_periods align_periods periods renormalise_every period_tolerance
                initial_states initial_box seed backend);
         if self.align_periods.is_none() {
             settings.align_periods = settings.align_periods.min(settings.transient_periods);
         }
+        if self.scheme.is_some() && self.scheme != settings.scheme {
+            // a file's number of steps belongs to its scheme
+            settings.steps_per_period = None;
+        }
+        settings.scheme = self.scheme.or(settings.scheme);
+        settings.steps_per_period = self.steps_per_period.or(settings.steps_per_period);
         settings.precision = self.precision.or(settings.precision);
         settings.adapter = self.adapter.clone().or(settings.adapter.take());
     }

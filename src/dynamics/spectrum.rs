@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::experiment::Settings;
+use crate::experiment::{Scheme, Settings};
 use crate::model::motion::Motion;
 use crate::parameters::{Parameter, ParameterSet};
 
@@ -46,7 +46,10 @@ impl Orbit {
         Self {
             motion: Motion::new(|parameter| parameters[parameter]),
             omega_0: parameters[Parameter::Omega0],
-            steps: settings.steps_per_period,
+            steps: match settings.scheme() {
+                Scheme::Rk4 => settings.steps_per_period(),
+                Scheme::Taylor | Scheme::Radau => Scheme::Rk4.default_steps_per_period(),
+            },
             renormalise_every: settings.renormalise_every,
         }
     }

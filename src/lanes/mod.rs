@@ -20,6 +20,8 @@ pub trait Real:
 {
     /// One truth value a lane.
     type Mask: Mask;
+    /// One clock a lane.
+    type Ticks: Ticks;
     /// The type of one lane.
     type Scalar: Copy + Send + Sync;
     const LANES: usize;
@@ -41,6 +43,9 @@ pub trait Real:
     fn less(self, other: Self) -> Self::Mask;
     /// `yes` where the mask is true, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// The whole part of numbers in 0..2^31.
+    fn to_ticks(self) -> Self::Ticks;
+    fn from_ticks(ticks: Self::Ticks) -> Self;
 
     #[inline(always)]
     fn splat(value: f64) -> Self {
@@ -59,6 +64,18 @@ pub trait Mask: Copy {
     const LANES: usize;
     fn all(self) -> bool;
     fn lane(self, lane: usize) -> bool;
+    fn and(self, other: Self) -> Self;
+    fn or(self, other: Self) -> Self;
+}
+
+/// One whole number in 0..2^31 a lane: clocks, which must add up exactly in every number type.
+pub trait Ticks: Copy + Send + Sync {
+    fn splat(ticks: u32) -> Self;
+    /// `self - other`, which must not be negative.
+    fn minus(self, other: Self) -> Self;
+    fn least(self, other: Self) -> Self;
+    /// Whether every lane is 0.
+    fn all_zero(self) -> bool;
 }
 
 impl Mask for bool {
@@ -72,12 +89,40 @@ impl Mask for bool {
     fn lane(self, _: usize) -> bool {
         self
     }
+    #[inline(always)]
+    fn and(self, other: Self) -> Self {
+        self & other
+    }
+    #[inline(always)]
+    fn or(self, other: Self) -> Self {
+        self | other
+    }
+}
+
+impl Ticks for u32 {
+    #[inline(always)]
+    fn splat(ticks: u32) -> Self {
+        ticks
+    }
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        self - other
+    }
+    #[inline(always)]
+    fn least(self, other: Self) -> Self {
+        self.min(other)
+    }
+    #[inline(always)]
+    fn all_zero(self) -> bool {
+        self == 0
+    }
 }
 
 macro_rules! scalar_real {
     ($scalar:ident) => {
         impl Real for $scalar {
             type Mask = bool;
+            type Ticks = u32;
             type Scalar = $scalar;
             const LANES: usize = 1;
 
@@ -129,6 +174,14 @@ macro_rules! scalar_real {
             #[inline(always)]
             fn select(mask: bool, yes: Self, no: Self) -> Self {
                 if mask { yes } else { no }
+            }
+            #[inline(always)]
+            fn to_ticks(self) -> u32 {
+                self as u32
+            }
+            #[inline(always)]
+            fn from_ticks(ticks: u32) -> Self {
+                ticks as $scalar
             }
         }
     };

@@ -10,7 +10,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::{Mask, Real};
+use super::{Mask, Real, Ticks};
 
 /// `K` numbers side by side; the first `R::LANES` lanes are the first number's.
 #[derive(Clone, Copy, Debug)]
@@ -77,10 +77,54 @@ impl<M: Mask, const K: usize> Mask for [M; K] {
     fn lane(self, lane: usize) -> bool {
         self[lane / M::LANES].lane(lane % M::LANES)
     }
+    #[inline(always)]
+    fn and(mut self, other: Self) -> Self {
+        for k in 0..K {
+            self[k] = self[k].and(other[k]);
+        }
+        self
+    }
+    #[inline(always)]
+    fn or(mut self, other: Self) -> Self {
+        for k in 0..K {
+            self[k] = self[k].or(other[k]);
+        }
+        self
+    }
+}
+
+impl<T: Ticks, const K: usize> Ticks for [T; K] {
+    #[inline(always)]
+    fn splat(ticks: u32) -> Self {
+        [T::splat(ticks); K]
+    }
+    #[inline(always)]
+    fn minus(mut self, other: Self) -> Self {
+        for k in 0..K {
+            self[k] = self[k].minus(other[k]);
+        }
+        self
+    }
+    #[inline(always)]
+    fn least(mut self, other: Self) -> Self {
+        for k in 0..K {
+            self[k] = self[k].least(other[k]);
+        }
+        self
+    }
+    #[inline(always)]
+    fn all_zero(self) -> bool {
+        let mut zero = true;
+        for ticks in self {
+            zero &= ticks.all_zero();
+        }
+        zero
+    }
 }
 
 impl<R: Real, const K: usize> Real for Wide<R, K> {
     type Mask = [R::Mask; K];
+    type Ticks = [R::Ticks; K];
     type Scalar = R::Scalar;
     const LANES: usize = R::LANES * K;
 
@@ -153,5 +197,21 @@ impl<R: Real, const K: usize> Real for Wide<R, K> {
             yes.0[k] = R::select(mask[k], yes.0[k], no.0[k]);
         }
         yes
+    }
+    #[inline(always)]
+    fn to_ticks(self) -> Self::Ticks {
+        let mut ticks = [self.0[0].to_ticks(); K];
+        for k in 1..K {
+            ticks[k] = self.0[k].to_ticks();
+        }
+        ticks
+    }
+    #[inline(always)]
+    fn from_ticks(ticks: Self::Ticks) -> Self {
+        let mut out = Self([R::from_ticks(ticks[0]); K]);
+        for k in 1..K {
+            out.0[k] = R::from_ticks(ticks[k]);
+        }
+        out
     }
 }

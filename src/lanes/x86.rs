@@ -7,7 +7,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::{Mask, Real};
+use super::{Mask, Real, Ticks};
 
 macro_rules! x86_vector {
     (
@@ -15,7 +15,10 @@ macro_rules! x86_vector {
         $mask:ident($mask_register:ident) = |$m:ident| $bits:expr;
         $add:ident $sub:ident $mul:ident $div:ident $fma:ident $min:ident $max:ident $sqrt:ident $set:ident $load:ident
         $store:ident, abs = |$a:ident| $abs:expr, less = |$l:ident, $r:ident| $less:expr,
-        select = |$s:ident, $yes:ident, $no:ident| $select:expr
+        select = |$s:ident, $yes:ident, $no:ident| $select:expr,
+        and = |$and_a:ident, $and_b:ident| $and:expr, or = |$or_a:ident, $or_b:ident| $or:expr,
+        $ticks:ident($ticks_register:ident) = $to_ticks:ident $from_ticks:ident $ticks_set:ident $ticks_sub:ident
+        $ticks_min:ident, zero = |$z:ident| $zero:expr
     ) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
@@ -43,6 +46,46 @@ macro_rules! x86_vector {
                 // SAFETY: the module's rule.
                 (unsafe { $bits } as u32) >> lane & 1 == 1
             }
+            #[inline(always)]
+            fn and(self, other: Self) -> Self {
+                let ($and_a, $and_b) = (self.0, other.0);
+                // SAFETY: the module's rule.
+                Self(unsafe { $and })
+            }
+            #[inline(always)]
+            fn or(self, other: Self) -> Self {
+                let ($or_a, $or_b) = (self.0, other.0);
+                // SAFETY: the module's rule.
+                Self(unsafe { $or })
+            }
+        }
+
+        #[derive(Clone, Copy, Debug)]
+        #[repr(transparent)]
+        pub(crate) struct $ticks($ticks_register);
+
+        impl Ticks for $ticks {
+            #[inline(always)]
+            fn splat(ticks: u32) -> Self {
+                // SAFETY: the module's rule.
+                Self(unsafe { $ticks_set(ticks as i32) })
+            }
+            #[inline(always)]
+            fn minus(self, other: Self) -> Self {
+                // SAFETY: the module's rule.
+                Self(unsafe { $ticks_sub(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn least(self, other: Self) -> Self {
+                // SAFETY: the module's rule.
+                Self(unsafe { $ticks_min(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn all_zero(self) -> bool {
+                let $z = self.0;
+                // SAFETY: the module's rule.
+                unsafe { $zero }
+            }
         }
 
         x86_vector!(@operator $name Add add $add);
@@ -60,6 +103,7 @@ macro_rules! x86_vector {
 
         impl Real for $name {
             type Mask = $mask;
+            type Ticks = $ticks;
             type Scalar = $scalar;
             const LANES: usize = $lanes;
 
@@ -126,6 +170,16 @@ macro_rules! x86_vector {
                 // SAFETY: the module's rule.
                 Self(unsafe { $select })
             }
+            #[inline(always)]
+            fn to_ticks(self) -> $ticks {
+                // SAFETY: the module's rule.
+                $ticks(unsafe { $to_ticks(self.0) })
+            }
+            #[inline(always)]
+            fn from_ticks(ticks: $ticks) -> Self {
+                // SAFETY: the module's rule.
+                Self(unsafe { $from_ticks(ticks.0) })
+            }
         }
     };
     (@operator $name:ident $trait:ident $method:ident $intrinsic:ident) => {
@@ -146,7 +200,10 @@ x86_vector! {
     _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_fmadd_pd _mm512_min_pd _mm512_max_pd
     _mm512_sqrt_pd _mm512_set1_pd _mm512_loadu_pd _mm512_storeu_pd,
     abs = |a| _mm512_abs_pd(a), less = |l, r| _mm512_cmp_pd_mask::<_CMP_LT_OQ>(l, r),
-    select = |s, yes, no| _mm512_mask_blend_pd(s, no, yes)
+    select = |s, yes, no| _mm512_mask_blend_pd(s, no, yes),
+    and = |a, b| a & b, or = |a, b| a | b,
+    I32x8ForF64(__m256i) = _mm512_cvttpd_epi32 _mm512_cvtepi32_pd _mm256_set1_epi32 _mm256_sub_epi32 _mm256_min_epi32,
+    zero = |a| _mm256_testz_si256(a, a) == 1
 }
 
 x86_vector! {
@@ -155,7 +212,10 @@ x86_vector! {
     _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_fmadd_ps _mm512_min_ps _mm512_max_ps
     _mm512_sqrt_ps _mm512_set1_ps _mm512_loadu_ps _mm512_storeu_ps,
     abs = |a| _mm512_abs_ps(a), less = |l, r| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(l, r),
-    select = |s, yes, no| _mm512_mask_blend_ps(s, no, yes)
+    select = |s, yes, no| _mm512_mask_blend_ps(s, no, yes),
+    and = |a, b| a & b, or = |a, b| a | b,
+    I32x16(__m512i) = _mm512_cvttps_epi32 _mm512_cvtepi32_ps _mm512_set1_epi32 _mm512_sub_epi32 _mm512_min_epi32,
+    zero = |a| _mm512_test_epi32_mask(a, a) == 0
 }
 
 x86_vector! {
@@ -164,7 +224,10 @@ x86_vector! {
     _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_fmadd_pd _mm256_min_pd _mm256_max_pd
     _mm256_sqrt_pd _mm256_set1_pd _mm256_loadu_pd _mm256_storeu_pd,
     abs = |a| _mm256_andnot_pd(_mm256_set1_pd(-0.0), a), less = |l, r| _mm256_cmp_pd::<_CMP_LT_OQ>(l, r),
-    select = |s, yes, no| _mm256_blendv_pd(no, yes, s)
+    select = |s, yes, no| _mm256_blendv_pd(no, yes, s),
+    and = |a, b| _mm256_and_pd(a, b), or = |a, b| _mm256_or_pd(a, b),
+    I32x4(__m128i) = _mm256_cvttpd_epi32 _mm256_cvtepi32_pd _mm_set1_epi32 _mm_sub_epi32 _mm_min_epi32,
+    zero = |a| _mm_testz_si128(a, a) == 1
 }
 
 x86_vector! {
@@ -173,5 +236,8 @@ x86_vector! {
     _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_fmadd_ps _mm256_min_ps _mm256_max_ps
     _mm256_sqrt_ps _mm256_set1_ps _mm256_loadu_ps _mm256_storeu_ps,
     abs = |a| _mm256_andnot_ps(_mm256_set1_ps(-0.0), a), less = |l, r| _mm256_cmp_ps::<_CMP_LT_OQ>(l, r),
-    select = |s, yes, no| _mm256_blendv_ps(no, yes, s)
+    select = |s, yes, no| _mm256_blendv_ps(no, yes, s),
+    and = |a, b| _mm256_and_ps(a, b), or = |a, b| _mm256_or_ps(a, b),
+    I32x8(__m256i) = _mm256_cvttps_epi32 _mm256_cvtepi32_ps _mm256_set1_epi32 _mm256_sub_epi32 _mm256_min_epi32,
+    zero = |a| _mm256_testz_si256(a, a) == 1
 }

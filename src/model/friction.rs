@@ -55,6 +55,78 @@ impl<R: Real> Friction<R> {
     }
 }
 
+/// The law between two neighbouring boundaries -eps0, 0, +eps0 of the layer, where it is a polynomial:
+/// `scale * F(v) = a_0 + a_1 v + a_2 v^2 + cubic v^3` for `lower <= v <= upper`.
+#[derive(Clone, Copy, Debug)]
+pub struct Piece<R> {
+    pub a_0: R,
+    pub a_1: R,
+    pub a_2: R,
+    pub lower: R,
+    pub upper: R,
+}
+
+/// Stands for a boundary at infinity; finite, so that no difference with it is NaN.
+pub const NO_BOUNDARY: f64 = 1e30;
+
+impl<R: Real> Friction<R> {
+    /// `scale * beta`, the coefficient of v^3 on every piece.
+    #[inline(always)]
+    pub fn cubic(&self) -> R {
+        self.beta
+    }
+
+    /// Half-width of the layer.
+    pub fn epsilon_0(&self) -> R {
+        R::splat(1.0) / self.inverse_epsilon_0
+    }
+
+    /// Greatest decay rate of y that dry friction has in the layer, at v = 0: `scale * 2 F0/eps0`.
+    pub fn layer_rate(&self) -> R {
+        self.two_f_0_over_epsilon_0
+    }
+
+    /// Index of the piece that v lies on, from the left: 0 below -eps0, 1 and 2 in the layer, 3 above eps0.
+    #[inline(always)]
+    pub fn piece_index(&self, v: R) -> R {
+        let at_least = |bound: f64, index: f64, below: R| {
+            R::select(
+                (v * self.inverse_epsilon_0).less(R::splat(bound)),
+                below,
+                R::splat(index),
+            )
+        };
+        at_least(1.0, 3.0, at_least(0.0, 2.0, at_least(-1.0, 1.0, R::splat(0.0))))
+    }
+
+    /// The piece of an index. `epsilon_0` is [`Friction::epsilon_0`], which the caller keeps.
+    ///
+    /// | index | a_0 | a_1 | a_2 | from | to |
+    /// | --- | --- | --- | --- | --- | --- |
+    /// | 0 | -F0 | -alpha | 0 | | -eps0 |
+    /// | 1 | 0 | 2 F0/eps0 - alpha | F0/eps0^2 | -eps0 | 0 |
+    /// | 2 | 0 | 2 F0/eps0 - alpha | -F0/eps0^2 | 0 | eps0 |
+    /// | 3 | F0 | -alpha | 0 | eps0 | |
+    #[inline(always)]
+    pub fn piece(&self, index: R, epsilon_0: R) -> Piece<R> {
+        let zero = R::splat(0.0);
+        let far = R::splat(NO_BOUNDARY);
+        let left = index.less(R::splat(1.5));
+        let signed = |value: R| R::select(left, -value, value);
+        let inside = (index - R::splat(1.5)).abs().less(R::splat(1.0));
+        let curvature = R::splat(0.5) * self.two_f_0_over_epsilon_0 * self.inverse_epsilon_0;
+        let near = R::select(inside, zero, epsilon_0);
+        let other = R::select(inside, epsilon_0, far);
+        Piece {
+            a_0: R::select(inside, zero, signed(self.f_0)),
+            a_1: self.minus_alpha + R::select(inside, self.two_f_0_over_epsilon_0, zero),
+            a_2: R::select(inside, signed(-curvature), zero),
+            lower: R::select(left, -other, near),
+            upper: R::select(left, -near, other),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -81,5 +153,27 @@ mod tests {
             assert!((friction.force(v) - 0.1 * force).abs() < 1e-15, "{v}");
             assert!((friction.slope(v) - 0.1 * slope).abs() < 1e-13, "{v}");
         }
+    }
+
+    #[test]
+    fn every_piece_is_the_law_between_its_boundaries() {
+        let friction = Friction::new(0.1, 0.3, 0.2, 0.4, 0.01);
+        let indices: Vec<f64> = (0..4).map(f64::from).collect();
+        for &index in &indices {
+            let piece = friction.piece(index, friction.epsilon_0());
+            let (from, to) = (piece.lower.max(-3.0), piece.upper.min(3.0));
+            for i in 1..100 {
+                let v = from + (to - from) * f64::from(i) / 100.0;
+                assert_eq!(friction.piece_index(v), index);
+                let value = piece.a_0 + v * (piece.a_1 + v * (piece.a_2 + v * friction.cubic()));
+                assert!((value - friction.force(v)).abs() < 1e-15, "{index} {v}");
+                let slope = piece.a_1 + v * (2.0 * piece.a_2 + 3.0 * v * friction.cubic());
+                assert!((slope - friction.slope(v)).abs() < 1e-13, "{index} {v}");
+            }
+        }
+        assert!(indices.windows(2).all(|pair| {
+            let [left, right] = [pair[0], pair[1]].map(|index| friction.piece(index, friction.epsilon_0()));
+            left.upper == right.lower
+        }));
     }
 }

@@ -1,8 +1,10 @@
 //! The physics of the bush-shaft system, and nothing else: no integration, no threads, no GPU.
 //!
-//! The equations of motion are generic over the number type ([`crate::lanes::Real`]) and have twins of the same names in
-//! `shaders/model/`; Mel'nikov's function is evaluated in f64 alone.
+//! What is evaluated at every step is generic over the number type ([`crate::lanes::Real`]) and has a twin of the same
+//! name in `shaders/model/`; what is computed once per point is plain f64 on the host.
 
 pub mod friction;
 pub mod melnikov;
 pub mod motion;
+pub mod rubbing;
+pub mod thermal_modes;

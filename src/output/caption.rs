@@ -4,7 +4,7 @@
 
 use super::PROGRAM;
 use super::ticks::number;
-use crate::experiment::Scheme;
+use crate::experiment::{Scheme, Settings};
 use crate::map::ParameterMap;
 use crate::measurement::{QUANTITIES, Quantity, Values};
 use crate::parameters::Parameter;
@@ -44,13 +44,12 @@ pub fn fixed(parameters: impl Iterator<Item = (Parameter, f64)>) -> String {
 
 fn numerics(map: &ParameterMap) -> String {
     let settings = &map.experiment.settings;
-    let scheme = match settings.scheme {
-        Scheme::Rk4 => "Runge–Kutta of order 4",
-    };
     let (x, y) = (map.x_axis().count, map.y_axis().count);
     let mut text = format!(
-        "Map of {x} × {y} points. {scheme}, {} steps per forcing period, transient of {} periods, {} measured periods",
-        settings.steps_per_period, settings.transient_periods, settings.periods
+        "Map of {x} × {y} points. {}, transient of {} periods, {} measured periods",
+        scheme(settings),
+        settings.transient_periods,
+        settings.periods
     );
     if settings.initial_states > 1 {
         text += &format!(
@@ -70,6 +69,16 @@ fn numerics(map: &ParameterMap) -> String {
         text += &format!("Of the {} points, {computed} are computed. ", x * y);
     }
     text + &PROGRAM.replace(' ', "\u{a0}") + "."
+}
+
+/// The stepping scheme, and how many steps it takes in a forcing period.
+pub fn scheme(settings: &Settings) -> String {
+    let scheme = match settings.scheme() {
+        Scheme::Taylor => "Taylor series of order 8, steps ending at the friction layer’s boundaries",
+        Scheme::Rk4 => "Runge–Kutta of order 4",
+        Scheme::Radau => "Radau IIA of order 5, exact heat modes",
+    };
+    format!("{scheme}, {} steps per forcing period", settings.steps_per_period())
 }
 
 fn range([low, high]: [f64; 2]) -> String {

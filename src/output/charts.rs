@@ -10,7 +10,7 @@ use crate::analysis::bifurcation::Diagram;
 use crate::analysis::exponents::Line;
 use crate::analysis::melnikov::Curve;
 use crate::analysis::onset::Found;
-use crate::analysis::orbits::PathPoint;
+use crate::analysis::path::PathPoint;
 use crate::measurement::Measurement;
 use crate::parameters::Parameter;
 

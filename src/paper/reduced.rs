@@ -34,15 +34,12 @@ const NARROW: [f64; 2] = [3.5, 4.0];
 
 /// What an effort means in numbers.
 struct Work {
-    effort: Effort,
     /// Values of zeta_k in a bifurcation diagram: two for each column of pixels.
     columns: usize,
     /// Stroboscopic states for each.
     states: u32,
     /// Values of zeta_k in a panel of exponents.
     exponents: usize,
-    /// Steps a period for exponents: enough for the friction layer, or the paper's.
-    steps: u32,
     /// Values of the coarse scan for an onset over the wide axis.
     coarse: usize,
     /// Initial states tried in all where the paper's onset is not reproduced.
@@ -53,41 +50,25 @@ impl Work {
     fn new(effort: Effort) -> Self {
         match effort {
             Effort::Full => Self {
-                effort,
                 columns: 2 * BESIDE[0] as usize,
                 states: 200,
                 exponents: 1201,
-                steps: 4000,
                 coarse: 601,
                 tried: 24,
             },
             Effort::Quick => Self {
-                effort,
                 columns: BESIDE[0] as usize / 4,
                 states: 48,
                 exponents: 121,
-                steps: 628,
                 coarse: 241,
                 tried: 8,
             },
         }
     }
+}
 
-    fn definition(&self) -> Definition {
-        let definition = Definition::new(ONSET_SPACING, &Settings::default());
-        match self.effort {
-            Effort::Full => definition,
-            // the paper's step gives the same onsets, to the spacing
-            Effort::Quick => Definition {
-                settings: Settings {
-                    steps_per_period: self.steps,
-                    renormalise_every: self.steps / 4,
-                    ..definition.settings
-                },
-                ..definition
-            },
-        }
-    }
+fn definition() -> Definition {
+    Definition::new(ONSET_SPACING, &Settings::default())
 }
 
 fn axis([start, stop]: [f64; 2], count: usize) -> Axis {
@@ -163,10 +144,8 @@ fn exponents_panel(
     observer: &mut Observer<'_>,
 ) -> Result<Option<Drawn>, PaperError> {
     let settings = Settings {
-        steps_per_period: work.steps,
         transient_periods: TRANSIENT,
         periods: MEASURED,
-        renormalise_every: work.steps / 4,
         ..Settings::default()
     };
     let axis = axis(range, work.exponents);
@@ -219,7 +198,7 @@ fn wide_onset(
     };
     let coarse: &[Line] = &coarse;
     Ok(
-        onset(&mut backends, &work.definition(), &at, coarse, observer)?.map(|onset| match onset {
+        onset(&mut backends, &definition(), &at, coarse, observer)?.map(|onset| match onset {
             Onset::Found(found) => Some(found),
             Onset::BelowAxis | Onset::Never => None,
         }),
@@ -362,14 +341,7 @@ fn below(
     let first = found.value - f64::from(DEPTH) * ONSET_SPACING;
     let axis = axis([first, found.value - ONSET_SPACING], DEPTH as usize);
     let observer = &mut |_: crate::sweep::Event<'_>| observer();
-    let scanned = scan(
-        &mut backends(),
-        &work.definition(),
-        &damped(h1),
-        &axis,
-        &starts,
-        observer,
-    )?;
+    let scanned = scan(&mut backends(), &definition(), &damped(h1), &axis, &starts, observer)?;
     Ok(scanned.map(|chaos| {
         let count = starts.len();
         match chaos {
@@ -421,14 +393,13 @@ fn outcome(work: &Work, at: &ParameterSet, drawn: [Drawn; 4], rows: Vec<Row>) ->
     let (panels, data): (Vec<Panel>, Vec<Data>) = drawn.into_iter().unzip();
     let outside: usize = panels.iter().map(charts::outside).sum();
     let mut numerics = format!(
-        "All orbits from (x, y) = {}; {TRANSIENT} forcing periods of transient. Diagrams: {} states at each of {} values, \
-         628 steps per period. Exponents: {MEASURED} measured periods at each of {} values, {} steps per period. \
-         Onsets: the first of {} initial states. As in Awrejcewicz and Pyryev (2006). ",
+        "All orbits from (x, y) = {}; {TRANSIENT} forcing periods of transient. Diagrams: {} states at each of {} values. \
+         Exponents: {MEASURED} measured periods at each of {} values. {}. Onsets: the first of {} initial states. As in Awrejcewicz and Pyryev (2006). ",
         charts::start(START),
         work.states,
         work.columns,
         work.exponents,
-        work.steps,
+        caption::scheme(&Settings::default()),
         STARTS.len(),
     );
     if outside > 0 {

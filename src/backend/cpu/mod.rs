@@ -3,15 +3,22 @@
 //! Owns the dispatch by instruction set, once a batch and outside the loops; the arithmetic is the model's and the
 //! scheme's, written once over the lane type.
 
-mod block;
 mod instructions;
+mod radau;
+mod record;
+mod rk4;
+mod taylor;
+
+use std::marker::PhantomData;
 
 use rayon::prelude::*;
 
-use self::block::{Block, Run};
 pub use self::instructions::InstructionSet;
+use self::radau::RadauBlock;
+use self::rk4::Rk4Block;
+use self::taylor::TaylorBlock;
 use super::{Backend, BackendError, EndState, Slice, Sums};
-use crate::experiment::{Precision, Settings};
+use crate::experiment::{Precision, Scheme, Settings};
 use crate::lanes::{Real, Wide};
 use crate::measurement::BackendKind;
 use crate::parameters::ParameterSet;
@@ -19,12 +26,16 @@ use crate::parameters::ParameterSet;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::x86::{F32x8, F32x16, F64x4, F64x8};
 
-/// Vectors in flight with tangent vectors; measured on AVX-512, as is the next.
-const IN_FLIGHT: usize = 2;
-/// Groups of so many vectors that make a block.
-const GROUPS: usize = 3;
-/// Lanes of the portable set.
-const PORTABLE: usize = 4;
+/// Vectors in flight of rk4 with tangent vectors; measured on AVX-512, as are the next two.
+const RK4_IN_FLIGHT: usize = 2;
+/// Groups of so many vectors that make a block of rk4.
+const RK4_GROUPS: usize = 3;
+/// Vectors in flight of the Taylor scheme.
+const TAYLOR_IN_FLIGHT: usize = 1;
+/// Vectors in flight of the Radau scheme.
+const RADAU_IN_FLIGHT: usize = 1;
+/// Numbers that stand for a vector of the portable set.
+const PORTABLE: usize = 2;
 
 /// Integrates on all cores of the machine.
 pub struct CpuBackend {
@@ -92,32 +103,17 @@ impl Backend for CpuBackend {
     }
 
     fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
-        fn boxed<R: Real + Send + Sync + 'static>(
-            advance: AdvanceBlock<R>,
-            settings: &Settings,
-            instances: &[ParameterSet],
-        ) -> Box<dyn Batch> {
-            Box::new(Blocks::<R>::new(advance, settings, instances))
-        }
         self.batch = Some(match (self.instructions, self.precision) {
             #[cfg(target_arch = "x86_64")]
-            (InstructionSet::Avx512, Precision::F64) => {
-                boxed::<Wide<F64x8, IN_FLIGHT>>(advance_avx512, settings, instances)
-            }
+            (InstructionSet::Avx512, Precision::F64) => batch::<Avx512, F64x8>(settings, instances),
             #[cfg(target_arch = "x86_64")]
-            (InstructionSet::Avx512, Precision::F32) => {
-                boxed::<Wide<F32x16, IN_FLIGHT>>(advance_avx512, settings, instances)
-            }
+            (InstructionSet::Avx512, Precision::F32) => batch::<Avx512, F32x16>(settings, instances),
             #[cfg(target_arch = "x86_64")]
-            (InstructionSet::Avx2, Precision::F64) => {
-                boxed::<Wide<F64x4, IN_FLIGHT>>(advance_avx2, settings, instances)
-            }
+            (InstructionSet::Avx2, Precision::F64) => batch::<Avx2, F64x4>(settings, instances),
             #[cfg(target_arch = "x86_64")]
-            (InstructionSet::Avx2, Precision::F32) => {
-                boxed::<Wide<F32x8, IN_FLIGHT>>(advance_avx2, settings, instances)
-            }
-            (_, Precision::F64) => boxed::<Wide<f64, PORTABLE>>(advance_portable, settings, instances),
-            (_, Precision::F32) => boxed::<Wide<f32, PORTABLE>>(advance_portable, settings, instances),
+            (InstructionSet::Avx2, Precision::F32) => batch::<Avx2, F32x8>(settings, instances),
+            (_, Precision::F64) => batch::<Portable, Wide<f64, PORTABLE>>(settings, instances),
+            (_, Precision::F32) => batch::<Portable, Wide<f32, PORTABLE>>(settings, instances),
         });
         Ok(())
     }
@@ -136,80 +132,133 @@ impl Backend for CpuBackend {
     }
 }
 
-/// A batch of any lane type.
+/// The batch for a scheme, in vectors `V` of the instruction set `I`.
+fn batch<I: Instructions, V: Real + Send + Sync + 'static>(
+    settings: &Settings,
+    instances: &[ParameterSet],
+) -> Box<dyn Batch> {
+    match settings.scheme() {
+        Scheme::Taylor => Box::new(Blocks::<I, TaylorBlock<Wide<V, TAYLOR_IN_FLIGHT>>>::new(
+            settings, instances,
+        )),
+        Scheme::Radau => Box::new(Blocks::<I, RadauBlock<Wide<V, RADAU_IN_FLIGHT>>>::new(
+            settings, instances,
+        )),
+        Scheme::Rk4 => Box::new(Blocks::<I, Rk4Block<Wide<V, RK4_IN_FLIGHT>, RK4_GROUPS>>::new(
+            settings, instances,
+        )),
+    }
+}
+
+/// A batch of any scheme and lane type.
 trait Batch: Send {
     fn advance(&mut self, slice: &Slice);
     fn collect(&mut self) -> Vec<Sums>;
     fn end_states(&self) -> Vec<EndState>;
 }
 
-/// Carries one block on by a slice, compiled for an instruction set.
-///
-/// # Safety
-/// The machine must have the instruction set.
-type AdvanceBlock<R> = unsafe fn(&mut Block<R, GROUPS>, &Run<<R as Real>::Scalar>, &Slice);
+/// Instances that one thread carries on together by one scheme.
+trait Block: Send + Sync + Sized {
+    /// What all instances of a batch share.
+    type Run: Send + Sync;
+    /// Number of instances that a block holds.
+    const INSTANCES: usize;
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx2,fma")]
-unsafe fn advance_avx512<R: Real>(block: &mut Block<R, GROUPS>, run: &Run<R::Scalar>, slice: &Slice) {
-    block.advance(run, slice);
+    fn run(settings: &Settings) -> Self::Run;
+
+    /// A block of at most [`Block::INSTANCES`] instances; it is filled up with copies of the last one.
+    fn new(settings: &Settings, instances: &[ParameterSet]) -> Self;
+
+    /// Carries the block on by a slice. It must be `#[inline(always)]`, as is all that it calls in its loops, so that it
+    /// is compiled for its caller's instruction set.
+    fn advance(&mut self, run: &Self::Run, slice: &Slice);
+
+    /// Sums of an instance since they were last cleared.
+    fn sums(&self, index: usize) -> Sums;
+    fn clear_sums(&mut self);
+    fn end_state(&self, index: usize) -> EndState;
+}
+
+/// An instruction set that blocks are compiled for.
+trait Instructions: 'static {
+    /// [`Block::advance`] with these instructions.
+    ///
+    /// # Safety
+    /// The machine must have them.
+    unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice);
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-unsafe fn advance_avx2<R: Real>(block: &mut Block<R, GROUPS>, run: &Run<R::Scalar>, slice: &Slice) {
-    block.advance(run, slice);
+struct Avx512;
+#[cfg(target_arch = "x86_64")]
+struct Avx2;
+struct Portable;
+
+#[cfg(target_arch = "x86_64")]
+impl Instructions for Avx512 {
+    #[target_feature(enable = "avx512f,avx2,fma")]
+    unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        block.advance(run, slice);
+    }
 }
 
-unsafe fn advance_portable<R: Real>(block: &mut Block<R, GROUPS>, run: &Run<R::Scalar>, slice: &Slice) {
-    block.advance(run, slice);
+#[cfg(target_arch = "x86_64")]
+impl Instructions for Avx2 {
+    #[target_feature(enable = "avx2,fma")]
+    unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        block.advance(run, slice);
+    }
 }
 
-struct Blocks<R: Real> {
-    advance: AdvanceBlock<R>,
-    run: Run<R::Scalar>,
-    blocks: Vec<Block<R, GROUPS>>,
+impl Instructions for Portable {
+    unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        block.advance(run, slice);
+    }
+}
+
+struct Blocks<I, B: Block> {
+    run: B::Run,
+    blocks: Vec<B>,
     instances: usize,
+    instructions: PhantomData<fn() -> I>,
 }
 
-impl<R: Real> Blocks<R> {
-    fn new(advance: AdvanceBlock<R>, settings: &Settings, instances: &[ParameterSet]) -> Self {
-        let blocks = instances
-            .chunks(Block::<R, GROUPS>::INSTANCES)
-            .map(|chunk| Block::new(chunk, settings.steps_per_period))
-            .collect();
+impl<I: Instructions, B: Block> Blocks<I, B> {
+    fn new(settings: &Settings, instances: &[ParameterSet]) -> Self {
         Self {
-            advance,
-            run: Run::new::<R>(settings),
-            blocks,
+            run: B::run(settings),
+            blocks: instances
+                .chunks(B::INSTANCES)
+                .map(|chunk| B::new(settings, chunk))
+                .collect(),
             instances: instances.len(),
+            instructions: PhantomData,
         }
     }
 
-    fn for_instances<T>(&self, value: impl Fn(&Block<R, GROUPS>, usize) -> T) -> Vec<T> {
-        let size = Block::<R, GROUPS>::INSTANCES;
+    fn for_instances<T>(&self, value: impl Fn(&B, usize) -> T) -> Vec<T> {
         (0..self.instances)
-            .map(|index| value(&self.blocks[index / size], index % size))
+            .map(|index| value(&self.blocks[index / B::INSTANCES], index % B::INSTANCES))
             .collect()
     }
 }
 
-impl<R: Real + Send + Sync> Batch for Blocks<R> {
+impl<I: Instructions, B: Block> Batch for Blocks<I, B> {
     fn advance(&mut self, slice: &Slice) {
-        let (run, advance) = (&self.run, self.advance);
+        let run = &self.run;
         self.blocks.par_iter_mut().for_each(|block| {
-            // SAFETY: `CpuBackend` pairs the function with the instruction set it has found available.
-            unsafe { advance(block, run, slice) };
+            // SAFETY: `CpuBackend` pairs lanes and instructions with the set that it has found available.
+            unsafe { I::advance(block, run, slice) };
         });
     }
 
     fn collect(&mut self) -> Vec<Sums> {
-        let sums = self.for_instances(Block::sums);
-        self.blocks.iter_mut().for_each(Block::clear_sums);
+        let sums = self.for_instances(B::sums);
+        self.blocks.iter_mut().for_each(B::clear_sums);
         sums
     }
 
     fn end_states(&self) -> Vec<EndState> {
-        self.for_instances(Block::end_state)
+        self.for_instances(B::end_state)
     }
 }

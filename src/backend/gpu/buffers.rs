@@ -106,11 +106,11 @@ impl Buffers {
             .collect();
         let parameters: Vec<Parameters> = instances
             .iter()
-            .map(|set| Parameters::new(set, settings.steps_per_period))
+            .map(|set| Parameters::new(set, settings.steps_per_period()))
             .collect();
         let orbits: Vec<Orbit> = instances.iter().map(Orbit::start).collect();
         let run = Run::new(settings, instances.len() as u32);
-        let drive = layout::drive_entries(settings.steps_per_period);
+        let drive = layout::drive_entries(settings.steps_per_period());
         write(context, &self.run, &[run]);
         write(context, &self.drive, &drive);
         write(context, &self.birkhoff_weights, &weights);

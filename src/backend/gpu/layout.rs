@@ -12,6 +12,7 @@ use crate::dynamics::drive::DriveTable;
 use crate::dynamics::stroboscope::{self, MAX_PERIOD};
 use crate::dynamics::tangent::Bases;
 use crate::experiment::Settings;
+use crate::measurement::Contact;
 use crate::parameters::{Parameter, ParameterSet};
 
 /// The bindings of group 0, as numbered in the shader.
@@ -50,7 +51,7 @@ impl Run {
     pub fn new(settings: &Settings, instances: u32) -> Self {
         Self {
             instances,
-            steps_per_period: settings.steps_per_period,
+            steps_per_period: settings.steps_per_period(),
             renormalise_every: settings.renormalise_every,
             unrecorded: settings.periods - stroboscope::window(settings.periods),
             period_tolerance: settings.period_tolerance as f32,
@@ -118,6 +119,7 @@ pub struct Orbit {
     pub x_max: f32,
     pub candidates: u32,
     pub runaway_period: u32,
+    pub under_resolved: u32,
 }
 
 impl Orbit {
@@ -136,6 +138,7 @@ impl Orbit {
             x_max: x,
             candidates: u32::MAX,
             runaway_period: 0,
+            under_resolved: 0,
         }
     }
 }
@@ -149,6 +152,8 @@ impl From<Orbit> for EndState {
             x_max: orbit.x_max.into(),
             candidates: orbit.candidates,
             runaway_period: (orbit.runaway_period > 0).then_some(orbit.runaway_period),
+            under_resolved: orbit.under_resolved > 0,
+            contact: Contact::CONSTANT,
         }
     }
 }

@@ -66,11 +66,11 @@ impl GpuBackend {
     }
 
     fn check(&self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
-        if settings.steps_per_period > MAX_STEPS_PER_PERIOD {
+        if settings.steps_per_period() > MAX_STEPS_PER_PERIOD {
             return Err(BackendError::Unsupported(format!(
                 "{} steps a period are more than the {MAX_STEPS_PER_PERIOD} that the GPU's drive table holds: use \
                  --backend cpu or fewer --steps-per-period",
-                settings.steps_per_period
+                settings.steps_per_period()
             )));
         }
         if instances.len() as u64 > self.max_instances() {
@@ -144,7 +144,7 @@ impl Backend for GpuBackend {
             self.buffers = Some(Buffers::new(&self.context, instances.len(), settings.periods)?);
         }
         self.load.instances = instances.len() as u32;
-        self.load.steps_per_period = settings.steps_per_period;
+        self.load.steps_per_period = settings.steps_per_period();
         self.buffers().fill(&self.context, settings, instances);
         self.context.check()
     }

@@ -52,8 +52,11 @@ pub struct Melnikov {
 
 impl Melnikov {
     /// # Errors
-    /// [`MelnikovError::NoHomoclinicOrbit`] unless b > 0.
+    /// [`MelnikovError::NoHomoclinicOrbit`] unless b > 0, [`MelnikovError::Rubbed`] if there is frictional heat or wear.
     pub fn new(parameters: &ParameterSet) -> Result<Self, MelnikovError> {
+        if parameters.is_rubbed() {
+            return Err(MelnikovError::Rubbed);
+        }
         let b = parameters[Parameter::B];
         // false for NaN too
         let has_wells = b > 0.0;
@@ -144,6 +147,10 @@ impl Melnikov {
 pub enum MelnikovError {
     #[error("b = {b}: Mel'nikov's function needs a homoclinic orbit, which the springs have for b > 0 only")]
     NoHomoclinicOrbit { b: f64 },
+    #[error(
+        "Mel'nikov's function is that of constant contact pressure, without frictional heat and wear: set gamma = 0 and k_w = 0"
+    )]
+    Rubbed,
     #[error("Mel'nikov's function does not depend on {name}: its parameters are {known}", known = names())]
     NotAParameter { name: &'static str },
     #[error(

@@ -235,4 +235,6 @@ fn what_cannot_be_searched_is_refused() {
     assert!(reason(Search::new(Parameter::ZetaK, 2.0, 1.0)).contains("lower one first"));
     let error = Melnikov::new(&point(&[(Parameter::B, -1.0)])).unwrap_err();
     assert!(error.to_string().contains("b > 0"));
+    let error = Melnikov::new(&point(&[(Parameter::Gamma, 1.87)])).unwrap_err();
+    assert!(error.to_string().contains("gamma = 0"));
 }

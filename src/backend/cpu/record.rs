@@ -1,0 +1,147 @@
+//! What is summed up and noted of the instances in a vector's lanes, whatever the scheme.
+//!
+//! Owns sums, extremes, stroboscopes, runaways and under-resolved lanes; steps nothing.
+
+use super::super::{EndState, Sums};
+use crate::dynamics::statistics;
+use crate::dynamics::stroboscope::{self, Stroboscope};
+use crate::dynamics::tangent::Growth;
+use crate::experiment::Settings;
+use crate::lanes::{Mask, Real};
+use crate::measurement::{Contact, RUNAWAY_BOUND};
+
+/// What all instances of a batch share of a measurement.
+pub(super) struct Measuring {
+    birkhoff_weights: Vec<f64>,
+    /// Measured periods before the stroboscopic window.
+    unrecorded: u32,
+    period_tolerance: f64,
+}
+
+impl Measuring {
+    pub fn new(settings: &Settings) -> Self {
+        Self {
+            birkhoff_weights: statistics::birkhoff_weights(settings.periods),
+            unrecorded: settings.periods - stroboscope::window(settings.periods),
+            period_tolerance: settings.period_tolerance,
+        }
+    }
+}
+
+/// The record of as many instances as the lane type holds.
+pub(super) struct Record<R> {
+    growth: Growth<R>,
+    birkhoff: R,
+    divergence: R,
+    pub x_min: R,
+    pub x_max: R,
+    stroboscopes: Vec<Stroboscope>,
+    runaway_periods: Vec<Option<u32>>,
+    under_resolved: Vec<bool>,
+}
+
+impl<R: Real> Record<R> {
+    pub fn new() -> Self {
+        let zero = R::splat(0.0);
+        Self {
+            growth: Growth {
+                first: zero,
+                second: zero,
+            },
+            birkhoff: zero,
+            divergence: zero,
+            x_min: R::splat(f64::INFINITY),
+            x_max: R::splat(f64::NEG_INFINITY),
+            stroboscopes: vec![Stroboscope::default(); R::LANES],
+            runaway_periods: vec![None; R::LANES],
+            under_resolved: vec![false; R::LANES],
+        }
+    }
+
+    pub fn clear_sums(&mut self) {
+        let zero = R::splat(0.0);
+        self.growth = Growth {
+            first: zero,
+            second: zero,
+        };
+        self.birkhoff = zero;
+        self.divergence = zero;
+    }
+
+    /// Begins the measured periods at angle `x`.
+    #[inline(always)]
+    pub fn begin(&mut self, x: R) {
+        self.x_min = x;
+        self.x_max = x;
+    }
+
+    /// Adds a measured period that ended at (x, y).
+    #[inline(always)]
+    pub fn add(&mut self, measuring: &Measuring, index: u32, growth: Growth<R>, divergence: R, x: R, y: R) {
+        let weight = R::splat(measuring.birkhoff_weights[index as usize]);
+        self.growth.first = self.growth.first + growth.first;
+        self.growth.second = self.growth.second + growth.second;
+        self.birkhoff = growth.first.mul_add(weight, self.birkhoff);
+        self.divergence = self.divergence + divergence;
+        if index >= measuring.unrecorded {
+            for (lane, stroboscope) in self.stroboscopes.iter_mut().enumerate() {
+                stroboscope.record(x.lane(lane), y.lane(lane), measuring.period_tolerance);
+            }
+        }
+    }
+
+    /// Notes which lanes were found to have run away at the end of `period`, counted from 1; tells whether any was.
+    #[inline(always)]
+    pub fn note_runaways(&mut self, x: R, y: R, period: u32) -> bool {
+        let inside = (x.abs() + y.abs()).less(R::splat(RUNAWAY_BOUND));
+        if inside.all() {
+            return false;
+        }
+        self.note_runaway_lanes(period, |lane| !inside.lane(lane));
+        true
+    }
+
+    /// Notes the lanes for which `ran_away` is true, in `period`, counted from 1; the first time counts.
+    pub fn note_runaway_lanes(&mut self, period: u32, ran_away: impl Fn(usize) -> bool) {
+        for (lane, runaway) in self.runaway_periods.iter_mut().enumerate() {
+            if ran_away(lane) && runaway.is_none() {
+                *runaway = Some(period);
+            }
+        }
+    }
+
+    /// Notes the lanes for which `gave_up` is true.
+    pub fn note_under_resolved(&mut self, gave_up: impl Fn(usize) -> bool) {
+        for (lane, under_resolved) in self.under_resolved.iter_mut().enumerate() {
+            *under_resolved |= gave_up(lane);
+        }
+    }
+
+    /// Whether the lane's instance has neither run away nor been given up.
+    pub fn goes_on(&self, lane: usize) -> bool {
+        self.runaway_periods[lane].is_none() && !self.under_resolved[lane]
+    }
+
+    /// Sums of a lane since they were last cleared.
+    pub fn sums(&self, lane: usize) -> Sums {
+        Sums {
+            growth: [self.growth.first.lane(lane), self.growth.second.lane(lane)],
+            birkhoff: self.birkhoff.lane(lane),
+            divergence: self.divergence.lane(lane),
+        }
+    }
+
+    /// The lane's record, with its state (x, y).
+    pub fn end_state(&self, lane: usize, x: f64, y: f64) -> EndState {
+        EndState {
+            x,
+            y,
+            x_min: self.x_min.lane(lane),
+            x_max: self.x_max.lane(lane),
+            candidates: self.stroboscopes[lane].candidates(),
+            runaway_period: self.runaway_periods[lane],
+            under_resolved: self.under_resolved[lane],
+            contact: Contact::CONSTANT,
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! A block of instances that one thread carries on by the Taylor scheme.
+//!
+//! Owns the loops over forcing periods and passes, in which every lane takes a step of its own length; lanes meet at the
+//! end of a period. Compiled for each instruction set by its caller.
+
+use super::super::{EndState, Slice, Stage, Sums};
+use super::Block;
+use super::record::{Measuring, Record};
+use crate::dynamics::tangent::{Growth, Vector};
+use crate::dynamics::taylor::growth::Area;
+use crate::dynamics::taylor::{self, COEFFICIENTS, Flow, MAX_PASSES, State, TICKS_PER_PERIOD};
+use crate::experiment::Settings;
+use crate::lanes::{Real, Ticks};
+use crate::parameters::{Parameter, ParameterSet};
+
+/// As many instances as the lane type holds.
+pub(super) struct TaylorBlock<R> {
+    flow: Flow<R>,
+    unit: R,
+    inverse_unit: R,
+    x: R,
+    y: R,
+    /// Of length 1, as (X, Y).
+    vector: Vector<R>,
+    /// A period's ticks in lanes that go on, 0 in those that have run away or were given up.
+    period: R,
+    record: Record<R>,
+}
+
+impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
+    type Run = Measuring;
+    const INSTANCES: usize = R::LANES;
+
+    fn run(settings: &Settings) -> Measuring {
+        Measuring::new(settings)
+    }
+
+    fn new(settings: &Settings, instances: &[ParameterSet]) -> Self {
+        let instance = |lane: usize| &instances[lane.min(instances.len() - 1)];
+        let lanes = |parameter| R::from_lanes(|lane| instance(lane)[parameter]);
+        let omega_0 = |lane| instance(lane)[Parameter::Omega0];
+        let unit = R::from_lanes(|lane| taylor::unit_of_time(omega_0(lane)));
+        let longest = R::from_lanes(|lane| taylor::longest_step(omega_0(lane), settings.steps_per_period()));
+        Self {
+            flow: Flow::new(lanes, unit, longest),
+            unit,
+            inverse_unit: R::splat(1.0) / unit,
+            x: lanes(Parameter::X0),
+            y: lanes(Parameter::Y0),
+            vector: Vector {
+                x: R::splat(1.0),
+                y: R::splat(0.0),
+            },
+            period: R::splat(f64::from(TICKS_PER_PERIOD)),
+            record: Record::new(),
+        }
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, run: &Measuring, slice: &Slice) {
+        for n in 0..slice.periods {
+            match slice.stage {
+                Stage::Transient => self.period(),
+                Stage::Align => {
+                    self.period_with_tangent();
+                }
+                Stage::Measure => self.measured_period(run, slice.first + n),
+            }
+            if self.record.note_runaways(self.x, self.y, slice.elapsed + n + 1) {
+                self.stop_lanes();
+            }
+        }
+    }
+
+    fn sums(&self, index: usize) -> Sums {
+        self.record.sums(index)
+    }
+
+    fn clear_sums(&mut self) {
+        self.record.clear_sums();
+    }
+
+    fn end_state(&self, index: usize) -> EndState {
+        self.record.end_state(index, self.x.lane(index), self.y.lane(index))
+    }
+}
+
+impl<R: Real> TaylorBlock<R> {
+    #[inline(always)]
+    fn start(&self) -> State<R> {
+        self.flow.start(self.x, self.y * self.unit, self.period.to_ticks())
+    }
+
+    #[inline(always)]
+    fn end(&mut self, state: &State<R>) {
+        self.x = state.x;
+        self.y = state.w * self.inverse_unit;
+        if !state.left.all_zero() {
+            self.give_up(state.left);
+        }
+    }
+
+    /// One forcing period of the motion alone.
+    #[inline(always)]
+    fn period(&mut self) {
+        let mut state = self.start();
+        for _ in 0..MAX_PASSES {
+            if state.left.all_zero() {
+                break;
+            }
+            (_, state) = taylor::step::<R, COEFFICIENTS>(&self.flow, &state);
+        }
+        self.end(&state);
+    }
+
+    /// One forcing period with tangent vectors and extremes of x; returns growth and divergence over it.
+    #[inline(always)]
+    fn period_with_tangent(&mut self) -> (Growth<R>, R) {
+        let mut state = self.start();
+        let mut first = Vector {
+            x: self.vector.x,
+            y: self.vector.y * self.unit,
+        };
+        let mut area = Area::new(first);
+        let (mut x_min, mut x_max) = (self.record.x_min, self.record.x_max);
+        let mut divergence = R::splat(0.0);
+        for pass in 1..=MAX_PASSES {
+            if state.left.all_zero() {
+                break;
+            }
+            let (step, end) = taylor::step::<R, COEFFICIENTS>(&self.flow, &state);
+            let turning = taylor::turning(&step, &end);
+            first = step.series.vector_at(first, step.s);
+            area.second = step.series.vector_at(area.second, step.s);
+            divergence = divergence + step.series.divergence_to(step.s);
+            if pass % Area::<R>::STEPS == 0 {
+                area.renew(first, R::from_ticks(state.left));
+            }
+            x_min = x_min.min(turning).min(end.x);
+            x_max = x_max.max(turning).max(end.x);
+            state = end;
+        }
+        (self.record.x_min, self.record.x_max) = (x_min, x_max);
+        let (vector, growth) = area.close(first, self.inverse_unit);
+        self.vector = vector;
+        self.end(&state);
+        (growth, divergence)
+    }
+
+    #[inline(always)]
+    fn measured_period(&mut self, run: &Measuring, index: u32) {
+        if index == 0 {
+            self.record.begin(self.x);
+        }
+        let (growth, divergence) = self.period_with_tangent();
+        self.record.add(run, index, growth, divergence, self.x, self.y);
+    }
+
+    /// Lanes that have not finished their period are under-resolved.
+    #[cold]
+    fn give_up(&mut self, left: R::Ticks) {
+        let left = R::from_ticks(left);
+        self.record.note_under_resolved(|lane| left.lane(lane) > 0.0);
+        self.stop_lanes();
+    }
+
+    /// Lanes that have run away or were given up do nothing more.
+    #[cold]
+    fn stop_lanes(&mut self) {
+        let record = &self.record;
+        self.period = R::from_lanes(|lane| f64::from(u32::from(record.goes_on(lane)) * TICKS_PER_PERIOD));
+    }
+}

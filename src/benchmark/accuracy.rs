@@ -1,0 +1,109 @@
+//! How exact a kernel's exponents are, against the reference integrator.
+//!
+//! Owns which points count and how errors are summed up; times nothing.
+
+use std::f64::consts::TAU;
+
+use rayon::prelude::*;
+
+use crate::backend::{Backend, BackendError, Slice, Stage};
+use crate::dynamics::reference::ReferenceOrbit;
+use crate::experiment::Settings;
+use crate::parameters::{Parameter, ParameterSet};
+
+/// Forcing periods over which exponents are compared, from the initial state on.
+pub const PERIODS: u32 = 20;
+
+/// By how much the initial angle is moved, and by how much less an exponent must change to count.
+const SENSITIVITY: f64 = 1e-6;
+
+/// Points with the exponents that they have over [`PERIODS`] by the reference integrator.
+#[derive(Clone, Debug)]
+pub struct References {
+    points: Vec<(ParameterSet, f64)>,
+}
+
+impl References {
+    /// Of the points, those that are insensitive: whose exponent changes by less than 1e-6 where x0 moves by 1e-6. The
+    /// others are chaotic, or meet the friction layer's boundary tangentially, and tell nothing of a scheme.
+    pub fn compute(points: &[ParameterSet]) -> Self {
+        let exponent = |point: &ParameterSet| {
+            let mut orbit = ReferenceOrbit::new(point);
+            (0..PERIODS).for_each(|_| orbit.period());
+            orbit.state().growth / length(point)
+        };
+        let points = points
+            .par_iter()
+            .filter_map(|point| {
+                let moved = point.with(Parameter::X0, point[Parameter::X0] + SENSITIVITY);
+                let (reference, moved) = (exponent(point), exponent(&moved));
+                ((reference - moved).abs() < SENSITIVITY).then_some((*point, reference))
+            })
+            .collect();
+        Self { points }
+    }
+
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// Errors of a backend's exponents with the settings' scheme.
+    ///
+    /// # Errors
+    /// If the backend fails.
+    pub fn errors(&self, backend: &mut dyn Backend, settings: &Settings) -> Result<Errors, BackendError> {
+        let settings = Settings {
+            periods: PERIODS,
+            ..settings.clone()
+        };
+        let points: Vec<ParameterSet> = self.points.iter().map(|(point, _)| *point).collect();
+        backend.load(&settings, &points)?;
+        backend.advance(&Slice {
+            stage: Stage::Measure,
+            first: 0,
+            periods: PERIODS,
+            elapsed: 0,
+        })?;
+        let errors = backend
+            .collect()?
+            .iter()
+            .zip(&self.points)
+            .map(|(sums, (point, reference))| (sums.growth[0] / length(point) - reference).abs())
+            .collect();
+        Ok(Errors::new(errors))
+    }
+}
+
+/// Length of [`PERIODS`] in units of tau.
+fn length(point: &ParameterSet) -> f64 {
+    f64::from(PERIODS) * TAU / point[Parameter::Omega0]
+}
+
+/// Absolute errors of exponents, in order.
+#[derive(Clone, Debug)]
+pub struct Errors(Vec<f64>);
+
+impl Errors {
+    fn new(mut errors: Vec<f64>) -> Self {
+        // one that is no number is the largest
+        errors.sort_by(f64::total_cmp);
+        Self(errors)
+    }
+
+    /// The error that the given part of the points does not exceed.
+    pub fn quantile(&self, part: f64) -> f64 {
+        let last = self.0.len().saturating_sub(1);
+        self.0
+            .get((last as f64 * part).round() as usize)
+            .copied()
+            .unwrap_or(f64::NAN)
+    }
+
+    pub fn median(&self) -> f64 {
+        self.quantile(0.5)
+    }
+}

@@ -1,0 +1,35 @@
+//! The standing benchmark: what kernels cost and how exact they are.
+//!
+//! Owns the points that are measured, and both measurements; prints nothing and chooses no kernels.
+
+pub mod accuracy;
+pub mod speed;
+
+use crate::grid::{Axis, AxisError, Grid};
+use crate::parameters::{Parameter, ParameterSet};
+
+/// Side of the grid.
+const SIDE: usize = 64;
+
+/// The grid of 64 x 64 points over zeta_k 0..12 and h1 0..2.
+///
+/// # Errors
+/// None, as long as the table of parameters admits these ranges.
+pub fn grid() -> Result<Grid, AxisError> {
+    Ok(Grid {
+        axes: vec![
+            Axis::new(Parameter::ZetaK, 0.0, 12.0, SIDE)?,
+            Axis::new(Parameter::H1, 0.0, 2.0, SIDE)?,
+        ],
+        fixed: ParameterSet::default(),
+    })
+}
+
+/// Every `stride`-th point of the grid. An odd stride meets all of its rows and columns.
+///
+/// # Errors
+/// As [`grid`].
+pub fn points(stride: usize) -> Result<Vec<ParameterSet>, AxisError> {
+    let grid = grid()?;
+    Ok((0..grid.len()).step_by(stride).map(|index| grid.point(index)).collect())
+}

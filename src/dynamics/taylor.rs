@@ -1,0 +1,263 @@
+//! The Taylor scheme whose steps end at the boundaries of the friction layer.
+//!
+//! Owns the length of a step, the search for its end, and the clock; the series are [`series`]'s, and loops over periods
+//! a backend's. Twin: `shaders/dynamics/taylor.wgsl`, around the generated text of the series.
+//!
+//! Between the boundaries v = -eps0, 0, +eps0 friction is a polynomial, so that the motion has a series by short
+//! recurrences, and v(s) over the step is a polynomial too: where it leaves the piece is found by a few evaluations.
+//! Every lane has its own clock in whole ticks, and the step taken is a whole number of them: no clock drifts, and the last
+//! step ends on the period exactly.
+
+pub mod growth;
+pub mod number;
+pub mod series;
+pub mod wgsl;
+
+use std::f64::consts::{PI, TAU};
+
+use self::series::{Local, Series, UNITS_PER_PERIOD};
+use crate::lanes::{Mask, Real, Ticks};
+use crate::model::friction::{Friction, Piece};
+use crate::parameters::Parameter;
+
+/// Order of the scheme.
+pub const ORDER: usize = 8;
+
+/// Number of coefficients of a series.
+pub const COEFFICIENTS: usize = ORDER + 1;
+
+/// Ticks in a unit of time, exact in f32.
+pub const TICKS_PER_UNIT: u32 = 1 << 23;
+
+/// Ticks in a forcing period.
+pub const TICKS_PER_PERIOD: u32 = TICKS_PER_UNIT * UNITS_PER_PERIOD;
+
+/// Least step, in units of time: what a start on the wrong side of a boundary moves on by.
+pub const LEAST_STEP: f64 = 1.0 / 131_072.0;
+
+/// Steps after which a lane that has not finished a period is given up as under-resolved.
+pub const MAX_PASSES: u32 = 4096;
+
+/// In the layer a step reaches at most this far beyond the boundary ahead, by the slope of v: a polynomial taken much
+/// further beyond its piece runs away.
+pub const REACH: f64 = 1.3;
+
+/// In the layer a step is at most this over the layer's greatest rate. Without it the motion comes out smooth, plausible
+/// and wrong where the bush sticks.
+pub const LAYER_STEP: f64 = 0.65;
+
+/// Outside, a step is at most this over the rates met at its start.
+pub const FREE_STEP: f64 = 2.0;
+
+/// v is beyond a boundary where it exceeds it by more than this, in units of eps0; rounding does not count as that.
+pub const BEYOND: f64 = 2e-4;
+
+/// A start within this of a boundary, in units of eps0, is taken as the layer's width away from it: it has just come from
+/// there.
+pub const AT_BOUNDARY: f64 = 1e-4;
+
+/// What does not change along an orbit, in the units of [`series`].
+#[derive(Clone, Copy, Debug)]
+pub struct Flow<R> {
+    linear: R,
+    minus_b: R,
+    damping: R,
+    omega_k: R,
+    zeta_k: R,
+    friction: Friction<R>,
+    epsilon_0: R,
+    longest: R,
+    longest_in_layer: R,
+}
+
+/// Unit of time of an instance, in units of tau.
+pub fn unit_of_time(omega_0: f64) -> f64 {
+    TAU / (omega_0 * f64::from(UNITS_PER_PERIOD))
+}
+
+/// Longest step in units of time: so many a forcing period, or so many in pi where the period is longer than that. The
+/// paper's forcing period is pi.
+pub fn longest_step(omega_0: f64, steps_per_period: u32) -> f64 {
+    f64::from(UNITS_PER_PERIOD) / f64::from(steps_per_period) * (PI * omega_0 / TAU).min(1.0)
+}
+
+impl<R: Real> Flow<R> {
+    /// The flow with the parameters that `value` gives, given [`unit_of_time`] and [`longest_step`].
+    pub fn new(value: impl Fn(Parameter) -> R, unit: R, longest: R) -> Self {
+        use Parameter::{Alpha, B, Beta, Epsilon, Epsilon0, F0, H1, OmegaK, ZetaK};
+        let linear = unit * unit;
+        let epsilon = value(Epsilon);
+        let epsilon_0 = unit * value(Epsilon0);
+        // F(v) as a function of U v
+        let friction = Friction::new(
+            linear * epsilon,
+            value(F0),
+            value(Alpha) / unit,
+            value(Beta) / (linear * unit),
+            epsilon_0,
+        );
+        Self {
+            linear,
+            minus_b: -(linear * value(B)),
+            damping: unit * epsilon * value(H1),
+            omega_k: unit * value(OmegaK),
+            zeta_k: unit * value(ZetaK),
+            friction,
+            epsilon_0,
+            longest,
+            // an absent layer limits nothing
+            longest_in_layer: R::splat(LAYER_STEP) / friction.layer_rate().max(R::splat(1e-9)),
+        }
+    }
+
+    /// The state at the beginning of a period, with `ticks` of it to go.
+    #[inline(always)]
+    pub fn start(&self, x: R, w: R, ticks: R::Ticks) -> State<R> {
+        State {
+            x,
+            w,
+            sin: R::splat(0.0),
+            cos: R::splat(1.0),
+            piece: self.friction.piece_index(self.omega_k - w),
+            left: ticks,
+        }
+    }
+}
+
+/// A state within a period.
+#[derive(Clone, Copy, Debug)]
+pub struct State<R: Real> {
+    pub x: R,
+    /// Angular speed times the unit of time.
+    pub w: R,
+    /// Of the drive's phase, advanced by rotation; a period's start sets them anew.
+    sin: R,
+    cos: R,
+    /// Index of the piece of the friction law that v moves on.
+    piece: R,
+    /// Ticks to the period's end.
+    pub left: R::Ticks,
+}
+
+/// A step that was taken: its series and its length.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<R, const L: usize> {
+    pub series: Series<R, L>,
+    pub s: R,
+}
+
+/// Takes a step: to the boundary of the piece, or as far as it may reach. A lane whose period is over stays as it is.
+#[inline(always)]
+pub fn step<R: Real, const L: usize>(flow: &Flow<R>, state: &State<R>) -> (Step<R, L>, State<R>) {
+    let piece = flow.friction.piece(state.piece, flow.epsilon_0);
+    let drive = flow.zeta_k * state.sin;
+    let v = flow.omega_k + drive - state.w;
+    let series = Series::new(&Local {
+        linear: flow.linear,
+        minus_b: flow.minus_b,
+        damping: flow.damping,
+        a_0: piece.a_0,
+        a_1: piece.a_1,
+        a_2: piece.a_2,
+        cubic: flow.friction.cubic(),
+        drive,
+        drive_slope: flow.zeta_k * state.cos,
+        x: state.x,
+        w: state.w,
+        v,
+    });
+    let trial = trial_step(flow, &piece, &series, state.left);
+    let (reached, change) = leave(flow, &piece, &series, trial);
+
+    let ticks = (reached.max(R::splat(LEAST_STEP)) * R::splat(f64::from(TICKS_PER_UNIT))).to_ticks();
+    let ticks = ticks.least(state.left);
+    let s = R::from_ticks(ticks) * R::splat(1.0 / f64::from(TICKS_PER_UNIT));
+    let (sin, cos) = rotate(state.sin, state.cos, s);
+    let next = State {
+        x: series.x_at(s),
+        w: series.w_at(s),
+        sin,
+        cos,
+        piece: state.piece + change,
+        left: state.left.minus(ticks),
+    };
+    (Step { series, s }, next)
+}
+
+/// As far as the series may be followed. Bounds that are no numbers bound nothing.
+#[inline(always)]
+fn trial_step<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series: &Series<R, L>, left: R::Ticks) -> R {
+    let left = R::from_ticks(left) * R::splat(1.0 / f64::from(TICKS_PER_UNIT));
+    let longest = flow.longest.min(left);
+    let (v, slope) = (series.v[0], series.v[1]);
+    let falls = slope.less(R::splat(0.0));
+    let distance = R::select(falls, v - piece.lower, piece.upper - v);
+    let has_just_come = distance.less(R::splat(AT_BOUNDARY) * flow.epsilon_0);
+    let distance = R::select(has_just_come, flow.epsilon_0, distance);
+    let in_layer = (R::splat(REACH) * distance / slope.abs()).min(flow.longest_in_layer);
+    let free = R::splat(FREE_STEP) / (series.by_w[0].abs() + series.by_x[0].abs().sqrt());
+    let is_in_layer = (piece.upper - piece.lower).less(R::splat(1.5) * flow.epsilon_0);
+    R::select(is_in_layer, in_layer, free).min(longest)
+}
+
+/// Where v leaves the piece on the way to the trial step's end, and the change of the piece's index there; the trial
+/// step itself and 0 if it does not.
+///
+/// v is looked at halfway and at the end. From the first of the two that lies outside, the secant and one step of
+/// Newton's, both kept within the half step, lead to the boundary.
+#[inline(always)]
+fn leave<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series: &Series<R, L>, trial: R) -> (R, R) {
+    let zero = R::splat(0.0);
+    let margin = R::splat(BEYOND) * flow.epsilon_0;
+    let (lower, upper) = (piece.lower - margin, piece.upper + margin);
+    let middle = R::splat(0.5) * trial;
+    let (v_middle, v_end) = (series.v_at(middle), series.v_at(trial));
+    let left_early = v_middle.less(lower).or(upper.less(v_middle));
+    let left = left_early.or(v_end.less(lower)).or(upper.less(v_end));
+
+    let from = R::select(left_early, zero, middle);
+    let to = R::select(left_early, middle, trial);
+    let v_from = R::select(left_early, series.v[0], v_middle);
+    let v_to = R::select(left_early, v_middle, v_end);
+    let rises = piece.upper.less(v_to);
+    let boundary = R::select(rises, piece.upper, piece.lower);
+
+    let secant = ((boundary - v_from) / (v_to - v_from)).mul_add(to - from, from);
+    let secant = secant.max(from).min(to);
+    let newton = secant - (series.v_at(secant) - boundary) / series.v_slope_at(secant);
+    let newton = newton.max(from).min(to);
+    let change = R::select(rises, R::splat(1.0), R::splat(-1.0));
+    (R::select(left, newton, trial), R::select(left, change, zero))
+}
+
+/// Sine and cosine of the drive's phase, `s` units of time on.
+#[inline(always)]
+fn rotate<R: Real>(sin: R, cos: R, s: R) -> (R, R) {
+    let angle = s * R::splat(TAU / f64::from(UNITS_PER_PERIOD));
+    let square = angle * angle;
+    let mut sine = R::splat(1.0 / 362_880.0);
+    for coefficient in [-1.0 / 5040.0, 1.0 / 120.0, -1.0 / 6.0, 1.0] {
+        sine = sine.mul_add(square, R::splat(coefficient));
+    }
+    sine = sine * angle;
+    // 1 - cos: small, so that the sums below are rounded only once
+    let mut versine = R::splat(-1.0 / 40_320.0);
+    for coefficient in [1.0 / 720.0, -1.0 / 24.0, 0.5] {
+        versine = versine.mul_add(square, R::splat(coefficient));
+    }
+    versine = versine * square;
+    (sin + (cos * sine - sin * versine), cos - (sin * sine + cos * versine))
+}
+
+/// Where x turns within the step, or else x at its end: an extremum of x that no step's end shows. `w` is the angular
+/// speed at the end. Good to the third order of the step.
+#[inline(always)]
+pub fn turning<R: Real, const L: usize>(step: &Step<R, L>, end: &State<R>) -> R {
+    let before = step.series.w[0];
+    let turns = (before * end.w).less(R::splat(0.0));
+    let slope = (end.w - before) / step.s;
+    let at = -before / slope;
+    let w = step.series.w_at(at);
+    let x = step.series.x_at(at) - R::splat(0.5) * w * w / slope;
+    R::select(turns, x, end.x)
+}

@@ -1,0 +1,233 @@
+//! The Taylor series of the motion and of tangent vectors on one piece of the friction law.
+//!
+//! Owns the recurrences, written once for scalars, lanes and the shader's text; chooses no step and finds no event.
+//!
+//! Time is measured in units U of [`UNITS_PER_PERIOD`] a forcing period, so that the drive's series has the same
+//! coefficients for every omega_0. With w = U y, and all speeds times U, the motion on a piece is
+//!
+//!     x' = w,   w' = U^2 (x - b x^3) + a_0 + a_1 v + a_2 v^2 + c v^3 - U eps h1 w,   v = U omega_k + U zeta_k sin z - w
+//!
+//! whose coefficients follow from each other by convolutions: with q = v v, k = U^2 (1 - b x x), u = a_1 + a_2 v + c q,
+//!
+//!     (n+1) w[n+1] = (k x)[n] + (u v)[n] - U eps h1 w[n] + a_0 [n = 0],   (n+1) x[n+1] = w[n]
+
+use std::f64::consts::TAU;
+
+use super::number::Number;
+use crate::dynamics::tangent::Vector;
+
+/// Units of time in a forcing period.
+pub const UNITS_PER_PERIOD: u32 = 32;
+
+/// What the motion's series is made of at the start of a step; speeds are in units of 1/U.
+#[derive(Clone, Copy, Debug)]
+pub struct Local<T> {
+    /// U^2.
+    pub linear: T,
+    /// -U^2 b.
+    pub minus_b: T,
+    /// U eps h1.
+    pub damping: T,
+    /// Coefficients of friction on the piece.
+    pub a_0: T,
+    pub a_1: T,
+    pub a_2: T,
+    pub cubic: T,
+    /// U zeta_k sin z and U zeta_k cos z.
+    pub drive: T,
+    pub drive_slope: T,
+    pub x: T,
+    pub w: T,
+    /// Sliding velocity.
+    pub v: T,
+}
+
+/// Coefficients of a step's series, of order `L - 1`.
+#[derive(Clone, Copy, Debug)]
+pub struct Series<T, const L: usize> {
+    pub x: [T; L],
+    pub w: [T; L],
+    pub v: [T; L],
+    /// Derivatives of w' by x and by w, to order `L - 2`; the latter is the divergence.
+    pub by_x: [T; L],
+    pub by_w: [T; L],
+}
+
+/// Calls a method for every order below `L - 1`. The order is a constant in each call, so that every loop over
+/// coefficients is straight text for the compiler, and coefficients live in registers.
+macro_rules! for_orders {
+    ($L:ident, $target:ident.$method:ident $arguments:tt) => {
+        for_orders!($L, $target.$method $arguments, 0 1 2 3 4 5 6 7 8 9 10 11);
+    };
+    ($L:ident, $target:ident.$method:ident $arguments:tt, $($n:literal)*) => {
+        $(if $n + 1 < $L { $target.$method::<$n> $arguments; })*
+    };
+}
+
+impl<T: Number, const L: usize> Series<T, L> {
+    #[inline(always)]
+    pub fn new(local: &Local<T>) -> Self {
+        let zero = [T::constant(0.0); L];
+        let mut series = Self {
+            x: zero,
+            w: zero,
+            v: zero,
+            by_x: zero,
+            by_w: zero,
+        };
+        series.x[0] = local.x;
+        series.w[0] = local.w;
+        series.v[0] = local.v;
+        let mut stiffness = zero;
+        let mut friction = zero;
+        for_orders!(L, series.extend(local, &mut stiffness, &mut friction));
+        series
+    }
+
+    /// Order N + 1 of the state, order N of the rest. `stiffness` is k, `friction` is u of the module's equations.
+    #[inline(always)]
+    fn extend<const N: usize>(&mut self, local: &Local<T>, stiffness: &mut [T; L], friction: &mut [T; L]) {
+        let first = N == 0;
+        let three = T::constant(3.0);
+        let x_square = square::<T, L, N>(&self.x);
+        let v_square = square::<T, L, N>(&self.v);
+        let curved = local.a_2 * self.v[N];
+        stiffness[N] = local.minus_b * x_square;
+        friction[N] = local.cubic.fused(v_square, curved);
+        self.by_x[N] = three * stiffness[N];
+        // a term of order n of F is (n + 1) times that of F v
+        self.by_w[N] = -(local.cubic.fused(v_square, friction[N] + friction[N]));
+        if first {
+            stiffness[0] = stiffness[0] + local.linear;
+            friction[0] = friction[0] + local.a_1;
+            self.by_x[0] = self.by_x[0] + local.linear;
+            self.by_w[0] = self.by_w[0] - local.a_1 - local.damping;
+        }
+        let mut force = convolve::<T, L, N>(stiffness, &self.x) + convolve::<T, L, N>(friction, &self.v);
+        force = force - local.damping * self.w[N];
+        if first {
+            force = force + local.a_0;
+        }
+        let inverse = T::constant(1.0 / (N as f64 + 1.0));
+        self.x[N + 1] = inverse * self.w[N];
+        self.w[N + 1] = inverse * force;
+        self.v[N + 1] = drive_term(local, N + 1) - self.w[N + 1];
+    }
+
+    #[inline(always)]
+    pub fn x_at(&self, s: T) -> T {
+        horner(&self.x, s)
+    }
+
+    #[inline(always)]
+    pub fn w_at(&self, s: T) -> T {
+        horner(&self.w, s)
+    }
+
+    #[inline(always)]
+    pub fn v_at(&self, s: T) -> T {
+        horner(&self.v, s)
+    }
+
+    /// v' at s.
+    #[inline(always)]
+    pub fn v_slope_at(&self, s: T) -> T {
+        let mut value = T::constant((L - 1) as f64) * self.v[L - 1];
+        for n in (1..L - 1).rev() {
+            value = value.fused(s, T::constant(n as f64) * self.v[n]);
+        }
+        value
+    }
+
+    /// The divergence integrated from 0 to s.
+    #[inline(always)]
+    pub fn divergence_to(&self, s: T) -> T {
+        let mut value = T::constant(1.0 / (L - 1) as f64) * self.by_w[L - 2];
+        for n in (0..L - 2).rev() {
+            value = value.fused(s, T::constant(1.0 / (n as f64 + 1.0)) * self.by_w[n]);
+        }
+        value * s
+    }
+
+    /// The tangent vector (X, W) at s that is `start` at 0: X' = W, W' = by_x X + by_w W. Its y is W.
+    #[inline(always)]
+    pub fn vector_at(&self, start: Vector<T>, s: T) -> Vector<T> {
+        let zero = [T::constant(0.0); L];
+        let mut vector = VectorSeries { x: zero, w: zero };
+        vector.x[0] = start.x;
+        vector.w[0] = start.y;
+        for_orders!(L, vector.extend(self));
+        Vector {
+            x: horner(&vector.x, s),
+            y: horner(&vector.w, s),
+        }
+    }
+}
+
+struct VectorSeries<T, const L: usize> {
+    x: [T; L],
+    w: [T; L],
+}
+
+impl<T: Number, const L: usize> VectorSeries<T, L> {
+    #[inline(always)]
+    fn extend<const N: usize>(&mut self, along: &Series<T, L>) {
+        let inverse = T::constant(1.0 / (N as f64 + 1.0));
+        let force = convolve::<T, L, N>(&along.by_x, &self.x) + convolve::<T, L, N>(&along.by_w, &self.w);
+        self.x[N + 1] = inverse * self.w[N];
+        self.w[N + 1] = inverse * force;
+    }
+}
+
+/// The term of order n of U zeta_k sin(z + s TAU/UNITS_PER_PERIOD).
+#[inline(always)]
+fn drive_term<T: Number>(local: &Local<T>, n: usize) -> T {
+    let mut factor = 1.0;
+    for i in 1..=n {
+        factor *= TAU / f64::from(UNITS_PER_PERIOD) / i as f64;
+    }
+    match n % 4 {
+        0 => T::constant(factor) * local.drive,
+        1 => T::constant(factor) * local.drive_slope,
+        2 => T::constant(-factor) * local.drive,
+        _ => T::constant(-factor) * local.drive_slope,
+    }
+}
+
+/// Order N of the product of two series.
+#[inline(always)]
+fn convolve<T: Number, const L: usize, const N: usize>(a: &[T; L], b: &[T; L]) -> T {
+    let mut sum = a[0] * b[N];
+    for i in 1..=N {
+        sum = a[i].fused(b[N - i], sum);
+    }
+    sum
+}
+
+/// Order N of the square of a series.
+#[inline(always)]
+fn square<T: Number, const L: usize, const N: usize>(a: &[T; L]) -> T {
+    if N == 0 {
+        return a[0] * a[0];
+    }
+    let mut half = a[0] * a[N];
+    for i in 1..N.div_ceil(2) {
+        half = a[i].fused(a[N - i], half);
+    }
+    let double = half + half;
+    if N.is_multiple_of(2) {
+        a[N / 2].fused(a[N / 2], double)
+    } else {
+        double
+    }
+}
+
+/// The polynomial at s.
+#[inline(always)]
+fn horner<T: Number, const L: usize>(a: &[T; L], s: T) -> T {
+    let mut value = a[L - 1];
+    for n in (0..L - 1).rev() {
+        value = value.fused(s, a[n]);
+    }
+    value
+}

@@ -1,0 +1,260 @@
+//! The series as a shader's text.
+//!
+//! Owns the number type whose operations print `let` bindings, and the text that the recurrences become when they are run
+//! with it; `shaders/generated/taylor.wgsl` is a checked-in copy. Computes no number.
+
+use std::cell::RefCell;
+use std::fmt::Write as _;
+use std::ops::{Add, Mul, Neg, Sub};
+
+use super::number::Number;
+use super::series::{Local, Series, UNITS_PER_PERIOD};
+use super::{AT_BOUNDARY, BEYOND, COEFFICIENTS, FREE_STEP, LAYER_STEP, LEAST_STEP, MAX_PASSES, REACH, TICKS_PER_UNIT};
+use crate::dynamics::tangent::Vector;
+
+/// The text of one function's body: every operation adds a line.
+#[derive(Default)]
+struct Body {
+    lines: RefCell<Vec<String>>,
+    names: RefCell<Vec<String>>,
+}
+
+impl Body {
+    /// A number that the text calls `name`.
+    fn named(&self, name: &str) -> Symbol<'_> {
+        let mut names = self.names.borrow_mut();
+        names.push(name.to_owned());
+        Symbol::Name(self, names.len() - 1)
+    }
+
+    fn bind(&self, expression: &str) -> Symbol<'_> {
+        let mut lines = self.lines.borrow_mut();
+        let name = format!("t{}", lines.len());
+        lines.push(format!("    let {name} = {expression};\n"));
+        drop(lines);
+        self.named(&name)
+    }
+
+    fn text(&self) -> String {
+        self.lines.borrow().concat()
+    }
+}
+
+/// A number in the text: a constant, or what a name stands for.
+#[derive(Clone, Copy)]
+enum Symbol<'a> {
+    Constant(f64),
+    Name(&'a Body, usize),
+}
+
+impl<'a> Symbol<'a> {
+    fn body(self) -> Option<&'a Body> {
+        match self {
+            Self::Constant(_) => None,
+            Self::Name(body, _) => Some(body),
+        }
+    }
+
+    fn text(self) -> String {
+        match self {
+            // Debug writes a decimal point always
+            Self::Constant(value) => format!("{value:?}"),
+            Self::Name(body, index) => body.names.borrow()[index].clone(),
+        }
+    }
+
+    /// Prints the operation, or does it, where all is constant.
+    fn operation(operands: &[Self], text: &str, constant: impl Fn(&[f64]) -> f64) -> Self {
+        if let Some(body) = operands.iter().find_map(|operand| operand.body()) {
+            return body.bind(text);
+        }
+        let values: Vec<f64> = operands
+            .iter()
+            .map(|operand| match operand {
+                Self::Constant(value) => *value,
+                Self::Name(..) => unreachable!("a name has a body"),
+            })
+            .collect();
+        Self::Constant(constant(&values))
+    }
+}
+
+macro_rules! symbol_operator {
+    ($trait:ident $method:ident $sign:literal) => {
+        impl $trait for Symbol<'_> {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                let text = format!(concat!("{} ", $sign, " {}"), self.text(), other.text());
+                Self::operation(&[self, other], &text, |v| v[0].$method(v[1]))
+            }
+        }
+    };
+}
+
+symbol_operator!(Add add "+");
+symbol_operator!(Sub sub "-");
+symbol_operator!(Mul mul "*");
+
+impl Neg for Symbol<'_> {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self::operation(&[self], &format!("-{}", self.text()), |v| -v[0])
+    }
+}
+
+impl Number for Symbol<'_> {
+    fn constant(value: f64) -> Self {
+        Self::Constant(value)
+    }
+    fn fused(self, factor: Self, addend: Self) -> Self {
+        let text = format!("fma({}, {}, {})", self.text(), factor.text(), addend.text());
+        Self::operation(&[self, factor, addend], &text, |v| v[0] * v[1] + v[2])
+    }
+}
+
+type SymbolSeries<'a> = Series<Symbol<'a>, COEFFICIENTS>;
+
+const LOCAL_FIELDS: [&str; 12] = [
+    "linear",
+    "minus_b",
+    "damping",
+    "a_0",
+    "a_1",
+    "a_2",
+    "cubic",
+    "drive",
+    "drive_slope",
+    "x",
+    "w",
+    "v",
+];
+
+/// Names and numbers of coefficients of a series' parts.
+const SERIES_PARTS: [(&str, usize); 5] = [
+    ("x", COEFFICIENTS),
+    ("w", COEFFICIENTS),
+    ("v", COEFFICIENTS),
+    ("by_x", COEFFICIENTS - 1),
+    ("by_w", COEFFICIENTS - 1),
+];
+
+fn series_fields() -> impl Iterator<Item = (&'static str, usize)> {
+    SERIES_PARTS
+        .into_iter()
+        .flat_map(|(part, count)| (0..count).map(move |n| (part, n)))
+}
+
+fn part<'a, 'b>(series: &'b SymbolSeries<'a>, name: &str) -> &'b [Symbol<'a>] {
+    match name {
+        "x" => &series.x,
+        "w" => &series.w,
+        "v" => &series.v,
+        "by_x" => &series.by_x,
+        _ => &series.by_w,
+    }
+}
+
+/// The series that a function of the text is given as its argument.
+fn given(body: &Body) -> SymbolSeries<'_> {
+    let coefficients = |name: &str| std::array::from_fn(|n| body.named(&format!("series.{name}_{n}")));
+    Series {
+        x: coefficients("x"),
+        w: coefficients("w"),
+        v: coefficients("v"),
+        by_x: coefficients("by_x"),
+        by_w: coefficients("by_w"),
+    }
+}
+
+fn structure(name: &str, fields: impl Iterator<Item = String>) -> String {
+    let fields: String = fields.map(|field| format!("    {field}: f32,\n")).collect();
+    format!("struct {name} {{\n{fields}}}\n\n")
+}
+
+fn constants() -> String {
+    let mut text = String::new();
+    for (name, value) in [
+        ("LEAST_STEP", LEAST_STEP),
+        ("REACH", REACH),
+        ("LAYER_STEP", LAYER_STEP),
+        ("FREE_STEP", FREE_STEP),
+        ("BEYOND", BEYOND),
+        ("AT_BOUNDARY", AT_BOUNDARY),
+        ("TICKS_PER_UNIT", f64::from(TICKS_PER_UNIT)),
+        ("UNITS_PER_PERIOD", f64::from(UNITS_PER_PERIOD)),
+    ] {
+        let _ = writeln!(text, "const {name}: f32 = {value:?};");
+    }
+    let _ = writeln!(text, "const TICKS_PER_PERIOD: u32 = {}u;", super::TICKS_PER_PERIOD);
+    let _ = writeln!(text, "const MAX_PASSES: u32 = {MAX_PASSES}u;\n");
+    text
+}
+
+fn series_new() -> String {
+    let body = Body::default();
+    let local = |index: usize| body.named(&format!("local.{}", LOCAL_FIELDS[index]));
+    let series: SymbolSeries<'_> = Series::new(&Local {
+        linear: local(0),
+        minus_b: local(1),
+        damping: local(2),
+        a_0: local(3),
+        a_1: local(4),
+        a_2: local(5),
+        cubic: local(6),
+        drive: local(7),
+        drive_slope: local(8),
+        x: local(9),
+        w: local(10),
+        v: local(11),
+    });
+    let fields: String = series_fields()
+        .map(|(name, n)| format!("        {},\n", part(&series, name)[n].text()))
+        .collect();
+    format!(
+        "fn series_new(local: Local) -> Series {{\n{}    return Series(\n{fields}    );\n}}\n\n",
+        body.text()
+    )
+}
+
+/// A function of a series and of s.
+fn evaluation<'a>(body: &'a Body, name: &str, value: impl Fn(&SymbolSeries<'a>, Symbol<'a>) -> Symbol<'a>) -> String {
+    let result = value(&given(body), body.named("s")).text();
+    format!(
+        "fn {name}(series: Series, s: f32) -> f32 {{\n{}    return {result};\n}}\n\n",
+        body.text()
+    )
+}
+
+fn vector_at() -> String {
+    let body = Body::default();
+    let start = Vector {
+        x: body.named("vector.x"),
+        y: body.named("vector.y"),
+    };
+    let end = given(&body).vector_at(start, body.named("s"));
+    format!(
+        "fn vector_at(series: Series, vector: Vector, s: f32) -> Vector {{\n{}    return Vector({}, {});\n}}\n",
+        body.text(),
+        end.x.text(),
+        end.y.text()
+    )
+}
+
+/// The shader's text.
+pub fn source() -> String {
+    let mut text = "// Generated by src/dynamics/taylor/wgsl.rs from the recurrences in src/dynamics/taylor/series.rs: do not edit.\n\
+                    // TRIBOCHAOS_UPDATE_SHADERS=1 cargo test --test shader_contract writes it anew.\n\n"
+        .to_owned();
+    text += &constants();
+    text += &structure("Local", LOCAL_FIELDS.iter().map(|field| (*field).to_owned()));
+    text += &structure("Series", series_fields().map(|(name, n)| format!("{name}_{n}")));
+    text += &series_new();
+    let body = Body::default;
+    text += &evaluation(&body(), "x_at", |series, s| series.x_at(s));
+    text += &evaluation(&body(), "w_at", |series, s| series.w_at(s));
+    text += &evaluation(&body(), "v_at", |series, s| series.v_at(s));
+    text += &evaluation(&body(), "v_slope_at", |series, s| series.v_slope_at(s));
+    text += &evaluation(&body(), "divergence_to", |series, s| series.divergence_to(s));
+    text += &vector_at();
+    text
+}
