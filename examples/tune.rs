@@ -6,7 +6,12 @@ fn main() {
     let steps: Vec<u32> = std::env::args().skip(2).map(|a| a.parse().unwrap()).collect();
     let t = std::time::Instant::now();
     let refs = References::compute(&points(stride).unwrap());
-    println!("{} insensitive of {}, {:?}", refs.len(), points(stride).unwrap().len(), t.elapsed());
+    println!(
+        "{} insensitive of {}, {:?}",
+        refs.len(),
+        points(stride).unwrap().len(),
+        t.elapsed()
+    );
     let grid = points(1).unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     pool.install(|| {

@@ -444,7 +444,10 @@ mod tests {
             let settings = request.resolve().unwrap().settings;
             (settings.scheme.unwrap(), settings.steps_per_period.unwrap())
         };
-        assert_eq!(steps(&request), (Scheme::Taylor, Scheme::Taylor.default_steps_per_period()));
+        assert_eq!(
+            steps(&request),
+            (Scheme::Taylor, Scheme::Taylor.default_steps_per_period())
+        );
         request.settings.scheme = Some(Scheme::Rk4);
         assert_eq!(steps(&request), (Scheme::Rk4, 628));
         request.settings.steps_per_period = Some(100);

@@ -34,7 +34,9 @@ fn numerics(map: &ParameterMap) -> String {
     let (x, y) = (map.x_axis().count, map.y_axis().count);
     let mut text = format!(
         "Map of {x} × {y} points. {scheme}, {} steps per forcing period, transient of {} periods, {} measured periods",
-        settings.steps_per_period(), settings.transient_periods, settings.periods
+        settings.steps_per_period(),
+        settings.transient_periods,
+        settings.periods
     );
     if settings.initial_states > 1 {
         text += &format!(
