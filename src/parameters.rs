@@ -24,6 +24,11 @@ pub enum Parameter {
     Beta,
     #[serde(rename = "epsilon_0")]
     Epsilon0,
+    Gamma,
+    KW,
+    Biot,
+    OmegaTilde,
+    RampRate,
     X0,
     Y0,
 }
@@ -45,7 +50,7 @@ pub struct ParameterInfo {
 }
 
 macro_rules! parameter_table {
-    ($($parameter:ident $name:literal $symbol:literal $default:literal [$min:literal, $max:literal] $source:literal $meaning:literal;)*) => {
+    ($($parameter:ident $name:literal $symbol:literal $default:expr, [$min:expr, $max:expr], $source:literal $meaning:literal;)*) => {
         /// Every parameter, in the order in which they are listed to users.
         pub const PARAMETERS: &[ParameterInfo] = &[$(ParameterInfo {
             parameter: Parameter::$parameter,
@@ -60,18 +65,23 @@ macro_rules! parameter_table {
 }
 
 parameter_table! {
-    ZetaK    "zeta_k"    "ζₖ" 3.9  [0.0, 1000.0]     "(2.1)" "amplitude of the shaft's speed";
-    H1       "h1"        "h₁" 0.5  [-1000.0, 1000.0] "(3.2)" "viscous damping of the bush, 2h/epsilon";
-    Omega0   "omega_0"   "ω₀" 2.0  [1e-3, 1000.0]    "(3.2)" "frequency of the shaft's speed";
-    OmegaK   "omega_k"   "ωₖ" 0.4  [-1000.0, 1000.0] "(2.1)" "mean speed of the shaft";
-    B        "b"         "b"  1.0  [-1000.0, 1000.0] "(2.1)" "cubic stiffness of the springs";
-    Epsilon  "epsilon"   "ε"  0.1  [0.0, 1000.0]     "(2.1)" "strength of the friction, and of the damping epsilon h1";
-    F0       "f_0"       "F₀" 0.3  [0.0, 1000.0]     "(3.2)" "dry part of the kinetic friction";
-    Alpha    "alpha"     "α"  0.3  [-1000.0, 1000.0] "(3.2)" "linear fall of the friction with sliding speed";
-    Beta     "beta"      "β"  0.3  [-1000.0, 1000.0] "(3.2)" "cubic rise of the friction with sliding speed";
-    Epsilon0 "epsilon_0" "ε₀" 0.01 [1e-6, 10.0]      "(3.1)" "half-width of the regularised friction layer";
-    X0       "x0"        "x₀" 0.1  [-100.0, 100.0]   "(2.1)" "initial angle of the bush";
-    Y0       "y0"        "y₀" 0.0  [-100.0, 100.0]   "(2.1)" "initial angular speed of the bush";
+    ZetaK    "zeta_k"    "ζₖ" 3.9, [0.0, 1000.0],     "(2.1)" "amplitude of the shaft's speed";
+    H1       "h1"        "h₁" 0.5, [-1000.0, 1000.0], "(3.2)" "viscous damping of the bush, 2h/epsilon";
+    Omega0   "omega_0"   "ω₀" 2.0, [1e-3, 1000.0],    "(3.2)" "frequency of the shaft's speed";
+    OmegaK   "omega_k"   "ωₖ" 0.4, [-1000.0, 1000.0], "(2.1)" "mean speed of the shaft";
+    B        "b"         "b"  1.0, [-1000.0, 1000.0], "(2.1)" "cubic stiffness of the springs";
+    Epsilon  "epsilon"   "ε"  0.1, [0.0, 1000.0],     "(2.1)" "strength of the friction, and of the damping epsilon h1";
+    F0       "f_0"       "F₀" 0.3, [0.0, 1000.0],     "(3.2)" "dry part of the kinetic friction";
+    Alpha    "alpha"     "α"  0.3, [-1000.0, 1000.0], "(3.2)" "linear fall of the friction with sliding speed";
+    Beta     "beta"      "β"  0.3, [-1000.0, 1000.0], "(3.2)" "cubic rise of the friction with sliding speed";
+    Epsilon0 "epsilon_0" "ε₀" 0.01, [1e-6, 10.0],      "(3.1)" "half-width of the regularised friction layer";
+    Gamma    "gamma"    "γ" 0.0, [0.0, 1e6], "(2.6)" "heating: the paper's gamma times omega-tilde, 1.87 for its steel";
+    KW       "k_w"      "k_w" 0.0, [0.0, 1e6], "(2.3)" "wear coefficient";
+    Biot     "biot"     "Bi" 10.0, [1e-4, 1e4], "(2.5)" "Biot number: cooling of the shaft at its surface";
+    OmegaTilde "omega_tilde" "ω̃" 0.1, [1e-6, 1e6], "(2.6)" "rate of heat conduction in the shaft, the ratio of time scales";
+    RampRate "ramp_rate" "δ" f64::INFINITY, [1e-12, f64::INFINITY], "(2.2)" "growth of the fit h_U = 1 - exp(-ramp_rate tau^2); inf for no ramp";
+    X0       "x0"        "x₀" 0.1, [-100.0, 100.0],   "(2.1)" "initial angle of the bush";
+    Y0       "y0"        "y₀" 0.0, [-100.0, 100.0],   "(2.1)" "initial angular speed of the bush";
 }
 
 impl Parameter {
@@ -152,6 +162,23 @@ impl ParameterSet {
     pub fn with(mut self, parameter: Parameter, value: f64) -> Self {
         self[parameter] = value;
         self
+    }
+}
+
+impl ParameterSet {
+    /// Whether friction heats the shaft or wears it: the contact pressure is then no constant.
+    pub fn is_rubbed(&self) -> bool {
+        self[Parameter::Gamma] > 0.0 || self[Parameter::KW] > 0.0
+    }
+
+    /// Whether the contact wears: the motion is then transient by nature, and its exponent one of finite time.
+    pub fn wears(&self) -> bool {
+        self[Parameter::KW] > 0.0
+    }
+
+    /// The period of the drive in units of tau, 2 pi/omega_0.
+    pub fn forcing_period(&self) -> f64 {
+        std::f64::consts::TAU / self[Parameter::Omega0]
     }
 }
 

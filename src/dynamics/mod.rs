@@ -2,7 +2,12 @@
 //!
 //! Owns how a number is obtained from the equations of motion; knows nothing of batches, threads or devices.
 
+pub mod adaptive;
+pub mod decay;
+pub mod dense;
 pub mod drive;
+pub mod matrix;
+pub mod radau;
 pub mod reference;
 pub mod rk4;
 pub mod spectrum;

@@ -6,7 +6,9 @@ mod common;
 
 mod classes;
 mod exponents;
+mod heat_modes;
 mod lanes;
 mod oracle;
 mod statistics;
 mod tangent;
+mod thermal_oracle;

@@ -7,7 +7,7 @@ use nalgebra::{Complex, Matrix2};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 /// F(v) of equation (3.2) with the regularised sign (3.1).
-fn friction(p: &ParameterSet, v: f64) -> f64 {
+pub fn friction(p: &ParameterSet, v: f64) -> f64 {
     let epsilon_0 = p[Parameter::Epsilon0];
     let sign = if v.abs() >= epsilon_0 {
         v.signum()

@@ -1,0 +1,160 @@
+//! Exponential decay over a step, and what it leaves of a source that is a polynomial of time.
+//!
+//! Owns the functions that make the linear heat modes exact; knows no physics. Twin: `shaders/dynamics/decay.wgsl`.
+
+use crate::lanes::{Mask, Real};
+
+/// Below this the moments come from their series, above from recursion; both are good to rounding there.
+const SERIES_BOUND: f64 = 0.5;
+
+/// e^-z is taken as 0 beyond this.
+const LARGEST: f64 = 40.0;
+
+/// A mode of rate z over a step of length 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Decay<R> {
+    /// e^-z.
+    pub factor: R,
+    /// I_k = Int_0^1 e^{-z(1-s)} s^k ds for k = 0, 1, 2.
+    pub moments: [R; 3],
+}
+
+impl<R: Real> Decay<R> {
+    /// Room for one.
+    pub fn empty() -> Self {
+        Self {
+            factor: R::splat(0.0),
+            moments: [R::splat(0.0); 3],
+        }
+    }
+}
+
+/// Whether the lane type is single precision, which needs fewer terms.
+#[inline(always)]
+fn single<R: Real>() -> bool {
+    size_of::<R::Scalar>() == 4
+}
+
+/// e^-z for z >= 0.
+#[inline(always)]
+pub fn exponential<R: Real>(z: R) -> R {
+    // e^-z = (e^{-z/64})^64, by the series of the inner one
+    let x = z.min(R::splat(LARGEST)) * R::splat(-1.0 / 64.0);
+    let terms = if single::<R>() { 7 } else { 13 };
+    let mut sum = R::splat(1.0);
+    for n in (1..=terms).rev() {
+        sum = (x * R::splat(1.0 / f64::from(n))).mul_add(sum, R::splat(1.0));
+    }
+    for _ in 0..6 {
+        sum = sum * sum;
+    }
+    sum
+}
+
+/// The decay of a mode of rate `z` >= 0 (rate times length of the step), given 1/z as well.
+#[inline(always)]
+pub fn decay<R: Real>(z: R, inverse_z: R) -> Decay<R> {
+    let slow = z.less(R::splat(SERIES_BOUND));
+    if slow.all() {
+        return by_series(z);
+    }
+    let recursion = by_recursion(z, inverse_z);
+    if R::splat(SERIES_BOUND).less(z).all() {
+        return recursion;
+    }
+    let series = by_series(z);
+    let choose = |series, recursion| R::select(slow, series, recursion);
+    Decay {
+        factor: choose(series.factor, recursion.factor),
+        moments: [
+            choose(series.moments[0], recursion.moments[0]),
+            choose(series.moments[1], recursion.moments[1]),
+            choose(series.moments[2], recursion.moments[2]),
+        ],
+    }
+}
+
+/// I_2 = sum_n (-z)^n 2!/(n+3)!, then downwards by I_{k-1} = (1 - z I_k)/k, which is stable for small z.
+#[inline(always)]
+fn by_series<R: Real>(z: R) -> Decay<R> {
+    let one = R::splat(1.0);
+    let terms = if single::<R>() { 6 } else { 12 };
+    let mut sum = one;
+    for n in (1..=terms).rev() {
+        sum = (z * R::splat(-1.0 / f64::from(n + 3))).mul_add(sum, one);
+    }
+    let second = sum * R::splat(1.0 / 3.0);
+    let first = (one - z * second) * R::splat(0.5);
+    let zeroth = one - z * first;
+    Decay {
+        factor: one - z * zeroth,
+        moments: [zeroth, first, second],
+    }
+}
+
+/// I_0 = (1 - e^-z)/z, then upwards by I_k = (1 - k I_{k-1})/z, which is stable for large z.
+#[inline(always)]
+fn by_recursion<R: Real>(z: R, inverse_z: R) -> Decay<R> {
+    let one = R::splat(1.0);
+    let factor = exponential(z);
+    let zeroth = (one - factor) * inverse_z;
+    let first = (one - zeroth) * inverse_z;
+    Decay {
+        factor,
+        moments: [zeroth, first, (one - first - first) * inverse_z],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Composite Gauss-Legendre quadrature of the definition.
+    fn moment(z: f64, k: i32) -> f64 {
+        let nodes = [-(0.6f64.sqrt()), 0.0, 0.6f64.sqrt()];
+        let weights = [5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0];
+        let cells = 4000;
+        (0..cells)
+            .flat_map(|cell| (0..3).map(move |i| (cell, i)))
+            .map(|(cell, i)| {
+                let s = (f64::from(cell) + 0.5 + 0.5 * nodes[i]) / f64::from(cells);
+                weights[i] / f64::from(cells) * (-z * (1.0 - s)).exp() * s.powi(k)
+            })
+            .sum()
+    }
+
+    #[test]
+    fn moments_are_the_integrals_they_stand_for() {
+        for z in [
+            1e-12_f64, 1e-3, 0.1, 0.3, 0.4999, 0.5, 0.51, 0.7, 1.0, 2.0, 5.0, 20.0, 39.0, 300.0,
+        ] {
+            let decay = decay(z, 1.0 / z);
+            assert!(
+                (decay.factor - (-z).exp()).abs() < 3e-14 * (-z).exp() + 1e-16,
+                "factor at {z}"
+            );
+            for k in 0..3 {
+                let error = decay.moments[k] / moment(z, k as i32) - 1.0;
+                assert!(error.abs() < 3e-13, "moment {k} at {z}: {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn single_precision_keeps_what_a_pressure_needs() {
+        for i in 1..2000 {
+            let z = 0.01 * f64::from(i);
+            let (double, single) = (decay(z, 1.0 / z), decay(z as f32, 1.0 / z as f32));
+            assert!(
+                (f64::from(single.factor) - double.factor).abs() < 1e-5 * double.factor + 1e-7,
+                "{z}"
+            );
+            for k in 0..3 {
+                assert!(
+                    (f64::from(single.moments[k]) / double.moments[k] - 1.0).abs() < 1e-4,
+                    "{z} {k}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,439 @@
+//! The Radau IIA scheme of order 5 for a bush rubbed under changing pressure: one trial step.
+//!
+//! Owns the collocation equations, their solution and their linearisation; which trials are accepted, and how long they
+//! are, is [`super::adaptive`]'s. Twin: `shaders/dynamics/radau.wgsl`.
+//!
+//! The sliding velocity v is the stiff variable (rate eps p F'(v), up to 6e4 where p = 1e4): it is what is solved for, at
+//! the three nodes of the step, by Newton's method. The angle follows by the scheme's quadrature. The pressure follows
+//! exactly: the heat modes are linear, and take the heat flux as the parabola through its values at the nodes, so that
+//! the pressure at the step's end is linear in these values, and by Hermite interpolation (the pressure is smooth where
+//! single fast modes are not) so is that at the two inner nodes. E. Hairer and G. Wanner, Solving Ordinary Differential
+//! Equations II, section IV.5, is the source of the scheme.
+
+use super::decay::{self, Decay};
+use super::matrix::{Matrix, Vector, apply, dot, inverse, product};
+use crate::lanes::{Mask, Real};
+use crate::model::rubbing::Rubbing;
+
+const SQRT_6: f64 = 2.449_489_742_783_178;
+
+/// Nodes of a step of length 1.
+pub const NODES: [f64; 3] = [(4.0 - SQRT_6) / 10.0, (4.0 + SQRT_6) / 10.0, 1.0];
+
+/// INTEGRALS[i][j]: the j-th cardinal polynomial of the nodes integrated from 0 to node i.
+const INTEGRALS: [[f64; 3]; 3] = [
+    [
+        (88.0 - 7.0 * SQRT_6) / 360.0,
+        (296.0 - 169.0 * SQRT_6) / 1800.0,
+        (-2.0 + 3.0 * SQRT_6) / 225.0,
+    ],
+    [
+        (296.0 + 169.0 * SQRT_6) / 1800.0,
+        (88.0 + 7.0 * SQRT_6) / 360.0,
+        (-2.0 - 3.0 * SQRT_6) / 225.0,
+    ],
+    [(16.0 - SQRT_6) / 36.0, (16.0 + SQRT_6) / 36.0, 1.0 / 9.0],
+];
+
+/// CARDINAL[j][k]: coefficient of s^k in the j-th cardinal polynomial of the nodes.
+const CARDINAL: [[f64; 3]; 3] = [cardinal(0), cardinal(1), cardinal(2)];
+
+const fn cardinal(j: usize) -> [f64; 3] {
+    let (a, b) = (NODES[(j + 1) % 3], NODES[(j + 2) % 3]);
+    let scale = 1.0 / ((NODES[j] - a) * (NODES[j] - b));
+    [a * b * scale, -(a + b) * scale, scale]
+}
+
+/// Hermite's cubics at the two inner nodes: weights of the value and the slope at the start, and at the end.
+const HERMITE: [[f64; 4]; 2] = [hermite(NODES[0]), hermite(NODES[1])];
+
+const fn hermite(c: f64) -> [f64; 4] {
+    [
+        (2.0 * c - 3.0) * c * c + 1.0,
+        ((c - 2.0) * c + 1.0) * c,
+        (3.0 - 2.0 * c) * c * c,
+        (c - 1.0) * c * c,
+    ]
+}
+
+/// Their derivatives.
+const HERMITE_SLOPE: [[f64; 4]; 2] = [hermite_slope(NODES[0]), hermite_slope(NODES[1])];
+
+const fn hermite_slope(c: f64) -> [f64; 4] {
+    [
+        (6.0 * c - 6.0) * c,
+        (3.0 * c - 4.0) * c + 1.0,
+        (6.0 - 6.0 * c) * c,
+        (3.0 * c - 2.0) * c,
+    ]
+}
+
+/// Weight of the embedded error estimate, 1/(the real eigenvalue of INTEGRALS' inverse).
+pub const ERROR_WEIGHT: f64 = 0.274_888_829_595_677_6;
+
+/// Newton's iterations until a trial counts as failed.
+pub const MAX_ITERATIONS: u32 = 8;
+
+/// Newton's last correction, relative to the larger of |v| and the friction layer's half-width. Convergence is quadratic:
+/// the correction after it would be of the order of rounding.
+pub const NEWTON_TOLERANCE: f64 = 1e-5;
+
+/// A quadratic's coefficients in time from its values at the nodes.
+#[inline(always)]
+pub fn parabola<R: Real>(values: Vector<R>) -> Vector<R> {
+    [0, 1, 2].map(|k| dot([0, 1, 2].map(|j| R::splat(CARDINAL[j][k])), values))
+}
+
+/// The integrals from 0 to each node of the quadratic with these values at the nodes.
+#[inline(always)]
+fn integrals<R: Real>(values: Vector<R>) -> Vector<R> {
+    [0, 1, 2].map(|i| dot(INTEGRALS[i].map(R::splat), values))
+}
+
+/// The same, to the step's end.
+#[inline(always)]
+pub fn integral<R: Real>(values: Vector<R>) -> R {
+    dot(INTEGRALS[2].map(R::splat), values)
+}
+
+/// The thermal part of the pressure, sum w_m q_m, and sum w_m r_m q_m, by which it falls off.
+#[derive(Clone, Copy, Debug)]
+pub struct Heat<R> {
+    pub pressure: R,
+    pub falloff: R,
+}
+
+/// What a step makes of the heat modes: their sums at its end, linear in the heat flux's coefficients in time.
+#[derive(Clone, Copy, Debug)]
+pub struct Memory<R> {
+    /// From the state at the start alone.
+    pub free: Heat<R>,
+    /// By each coefficient of the flux.
+    pub pressure: Vector<R>,
+    pub falloff: Vector<R>,
+}
+
+/// One heat mode over a step.
+pub type ModeStep<R> = Decay<R>;
+
+impl<R: Real> Memory<R> {
+    /// Sums over the modes for a step of length `h`; keeps each mode's own numbers in `steps`.
+    #[inline(always)]
+    pub fn new(h: R, rates: &[R], inverse_rates: &[R], weights: &[R], modes: &[R], steps: &mut [ModeStep<R>]) -> Self {
+        let (zero, inverse_h) = (R::splat(0.0), R::splat(1.0) / h);
+        let mut free = Heat {
+            pressure: zero,
+            falloff: zero,
+        };
+        let (mut pressure, mut falloff) = ([zero; 3], [zero; 3]);
+        for m in 0..rates.len() {
+            let step = decay::decay(rates[m] * h, inverse_rates[m] * inverse_h);
+            let (left, faster) = (step.factor * modes[m], weights[m] * rates[m]);
+            free.pressure = weights[m].mul_add(left, free.pressure);
+            free.falloff = faster.mul_add(left, free.falloff);
+            for k in 0..3 {
+                pressure[k] = weights[m].mul_add(step.moments[k], pressure[k]);
+                falloff[k] = faster.mul_add(step.moments[k], falloff[k]);
+            }
+            steps[m] = step;
+        }
+        Self {
+            free,
+            pressure: pressure.map(|sum| sum * h),
+            falloff: falloff.map(|sum| sum * h),
+        }
+    }
+
+    /// The sums at the end, given the flux's coefficients in time.
+    #[inline(always)]
+    pub fn end(&self, flux: Vector<R>) -> Heat<R> {
+        Heat {
+            pressure: self.free.pressure + dot(self.pressure, flux),
+            falloff: self.free.falloff + dot(self.falloff, flux),
+        }
+    }
+}
+
+/// Where a trial starts.
+#[derive(Clone, Copy, Debug)]
+pub struct Start<R> {
+    pub x: R,
+    pub v: R,
+    pub shaft_speed: R,
+    /// h_U - u_w.
+    pub fit: R,
+    pub heat: Heat<R>,
+    /// 1 in contact, 0 in the gap.
+    pub contact: R,
+    /// p, F(v), the acceleration and the heat flux here.
+    pub pressure: R,
+    pub friction: R,
+    pub acceleration: R,
+    pub flux: R,
+}
+
+impl<R: Real> Start<R> {
+    #[inline(always)]
+    pub fn new(rubbing: &Rubbing<R>, x: R, v: R, shaft_speed: R, fit: R, heat: Heat<R>, contact: R) -> Self {
+        let pressure = contact * (fit + heat.pressure);
+        let friction = rubbing.friction(v);
+        let rubbed = pressure * friction;
+        Self {
+            x,
+            v,
+            shaft_speed,
+            fit,
+            heat,
+            contact,
+            pressure,
+            friction,
+            acceleration: rubbing.acceleration(x, shaft_speed - v, rubbed),
+            flux: rubbed * v,
+        }
+    }
+}
+
+/// What drives a trial: its length, and at each node how much the shaft's speed and the fit h_U have grown since the
+/// start.
+#[derive(Clone, Copy, Debug)]
+pub struct Drive<R> {
+    pub h: R,
+    pub speed: Vector<R>,
+    pub fit: Vector<R>,
+}
+
+/// A solved trial: values at the nodes, and the linearisation there.
+#[derive(Clone, Copy, Debug)]
+pub struct Trial<R: Real> {
+    pub converged: R::Mask,
+    pub x: Vector<R>,
+    pub v: Vector<R>,
+    /// p; and the pressure that there would be in contact, which decides whether contact returns.
+    pub pressure: Vector<R>,
+    pub if_closed: Vector<R>,
+    pub friction: Vector<R>,
+    pub acceleration: Vector<R>,
+    /// Q = F(v) v p.
+    pub flux: Vector<R>,
+    /// d(friction)/dv.
+    slope: Vector<R>,
+    /// Inverse of d(residual)/d(v).
+    newton: Matrix<R>,
+    /// dp/d(p at fixed heat and wear): the answer of the pressure to a change of its own source.
+    response: Matrix<R>,
+    /// dp/dv.
+    by_v: Matrix<R>,
+}
+
+/// Heat at the two inner nodes by Hermite's cubics: offsets and weights of the flux at the nodes.
+struct InnerHeat<R> {
+    offset: Vector<R>,
+    by_flux: Matrix<R>,
+}
+
+impl<R: Real> InnerHeat<R> {
+    #[inline(always)]
+    fn new(rubbing: &Rubbing<R>, h: R, start: Heat<R>, start_flux: R, memory: &Memory<R>) -> Self {
+        // by the flux at node j instead of the coefficient of s^k
+        let at_nodes = |by: Vector<R>| [0, 1, 2].map(|j| dot(CARDINAL[j].map(R::splat), by));
+        let (end, end_falloff) = (at_nodes(memory.pressure), at_nodes(memory.falloff));
+        let start_slope = h * rubbing.two_gamma.mul_add(start_flux, -start.falloff);
+        let own = h * rubbing.two_gamma;
+        let inner = |i: usize| {
+            let [value_0, slope_0, value_1, slope_1] = HERMITE[i].map(R::splat);
+            let offset = value_0.mul_add(
+                start.pressure,
+                slope_0.mul_add(
+                    start_slope,
+                    value_1.mul_add(memory.free.pressure, -(slope_1 * h * memory.free.falloff)),
+                ),
+            );
+            let mut by_flux = [0, 1, 2].map(|j| value_1.mul_add(end[j], -(slope_1 * h * end_falloff[j])));
+            by_flux[2] = slope_1.mul_add(own, by_flux[2]);
+            (offset, by_flux)
+        };
+        let (first, second) = (inner(0), inner(1));
+        Self {
+            offset: [first.0, second.0, memory.free.pressure],
+            by_flux: [first.1, second.1, end],
+        }
+    }
+}
+
+/// Solves a trial; `guess` are accelerations at the nodes to begin with.
+#[inline(always)]
+pub fn solve<R: Real>(
+    rubbing: &Rubbing<R>,
+    start: &Start<R>,
+    drive: &Drive<R>,
+    memory: &Memory<R>,
+    guess: Vector<R>,
+) -> Trial<R> {
+    let (zero, one, h) = (R::splat(0.0), R::splat(1.0), drive.h);
+    let heat = InnerHeat::new(rubbing, h, start.heat, start.flux, memory);
+    let closed = [0, 1, 2].map(|i| start.fit + drive.fit[i] + heat.offset[i]);
+    let by_flux = heat.by_flux.map(|row| row.map(|by| start.contact * by));
+    let wear = start.contact * rubbing.k_w * h;
+    let target = drive.speed.map(|growth| start.v + growth);
+    let constants = INTEGRALS.map(|row| row.map(R::splat));
+
+    let integrated = integrals(guess);
+    let mut v = [0, 1, 2].map(|i| target[i] - h * integrated[i]);
+    let mut trial = Trial {
+        converged: one.less(zero),
+        x: [start.x; 3],
+        v,
+        pressure: [zero; 3],
+        if_closed: closed,
+        friction: [zero; 3],
+        acceleration: guess,
+        flux: [zero; 3],
+        slope: [zero; 3],
+        newton: constants,
+        response: constants,
+        by_v: constants,
+    };
+    for _ in 0..MAX_ITERATIONS {
+        let y = [0, 1, 2].map(|i| start.shaft_speed + drive.speed[i] - v[i]);
+        let travelled = integrals(y);
+        trial.x = travelled.map(|travelled| h.mul_add(travelled, start.x));
+        trial.friction = v.map(|v| rubbing.friction(v));
+        trial.slope = v.map(|v| rubbing.friction_slope(v));
+        // p = response (closed): the flux and the wear at the nodes are linear in p
+        let mut system = constants;
+        for i in 0..3 {
+            for j in 0..3 {
+                let worn = wear * constants[i][j] * v[j].abs();
+                let own = if i == j { one } else { zero };
+                system[i][j] = own + worn - by_flux[i][j] * (trial.friction[j] * v[j]);
+            }
+        }
+        trial.response = inverse(&system);
+        trial.pressure = apply(&trial.response, closed.map(|closed| start.contact * closed));
+        let rubbed = [0, 1, 2].map(|i| trial.pressure[i] * trial.friction[i]);
+        trial.flux = [0, 1, 2].map(|i| rubbed[i] * v[i]);
+        trial.acceleration = [0, 1, 2].map(|i| rubbing.acceleration(trial.x[i], y[i], rubbed[i]));
+        let integrated = integrals(trial.acceleration);
+        let residual = [0, 1, 2].map(|i| v[i] - target[i] + h * integrated[i]);
+
+        let mut source = constants;
+        for j in 0..3 {
+            let by_heat = trial.slope[j].mul_add(v[j], trial.friction[j]) * trial.pressure[j];
+            let by_wear = wear * R::select(v[j].less(zero), -trial.pressure[j], trial.pressure[j]);
+            for i in 0..3 {
+                source[i][j] = by_flux[i][j] * by_heat - constants[i][j] * by_wear;
+            }
+        }
+        trial.by_v = product(&trial.response, &source);
+        let mut by_v = trial.by_v;
+        for i in 0..3 {
+            let (rubbed, stiffness) = (rubbing.epsilon * trial.friction[i], h * rubbing.stiffness(trial.x[i]));
+            for j in 0..3 {
+                by_v[i][j] = rubbed * by_v[i][j] - stiffness * constants[i][j];
+            }
+            by_v[i][i] = by_v[i][i] + (rubbing.epsilon * trial.pressure[i]).mul_add(trial.slope[i], rubbing.damping);
+        }
+        let mut jacobian = product(&constants, &by_v);
+        for i in 0..3 {
+            jacobian[i] = jacobian[i].map(|entry| h * entry);
+            jacobian[i][i] = jacobian[i][i] + one;
+        }
+        trial.newton = inverse(&jacobian);
+        let correction = apply(&trial.newton, residual);
+        trial.v = v;
+        v = [0, 1, 2].map(|i| v[i] - correction[i]);
+        let small = |i: usize| {
+            let scale = v[i].abs().max(rubbing.epsilon_0);
+            correction[i].abs().less(R::splat(NEWTON_TOLERANCE) * scale)
+        };
+        trial.converged = small(0).and(small(1)).and(small(2));
+        if trial.converged.all() {
+            break;
+        }
+    }
+    // the last correction is taken in v; what hangs on v was evaluated before it, to the tolerance of Newton's method
+    trial.v = v;
+    trial
+}
+
+/// A perturbation of the motion: of x, v, the fit h_U - u_w, and the sums of the heat modes.
+#[derive(Clone, Copy, Debug)]
+pub struct Perturbation<R> {
+    pub x: R,
+    pub v: R,
+    pub fit: R,
+    pub heat: Heat<R>,
+    /// Of the heat flux at the step's start.
+    pub flux: R,
+}
+
+impl<R: Real> Trial<R> {
+    /// The surface temperature's sum w_m r_m q_m at the nodes, from the balance of heat: (w . q)' = 2 gamma Q - that.
+    #[inline(always)]
+    pub fn falloff(&self, rubbing: &Rubbing<R>, start: &Start<R>, h: R, end: Heat<R>) -> Vector<R> {
+        let start_slope = h * rubbing.two_gamma.mul_add(start.flux, -start.heat.falloff);
+        let end_slope = h * rubbing.two_gamma.mul_add(self.flux[2], -end.falloff);
+        let inverse_h = R::splat(1.0) / h;
+        let inner = |i: usize| {
+            let [value_0, slope_0, value_1, slope_1] = HERMITE_SLOPE[i].map(R::splat);
+            let slope = value_0.mul_add(
+                start.heat.pressure,
+                slope_0.mul_add(start_slope, value_1.mul_add(end.pressure, slope_1 * end_slope)),
+            );
+            rubbing.two_gamma.mul_add(self.flux[i], -(slope * inverse_h))
+        };
+        [inner(0), inner(1), end.falloff]
+    }
+
+    /// Pressure lost by wear over the step.
+    #[inline(always)]
+    pub fn worn(&self, rubbing: &Rubbing<R>, h: R) -> R {
+        let rate = [0, 1, 2].map(|i| self.v[i].abs() * self.pressure[i]);
+        rubbing.k_w * h * integral(rate)
+    }
+
+    /// Carries a perturbation over the step: the derivative of the step itself. Returns it at the end, without its
+    /// modes, and the perturbation of the flux at the nodes, which drives them.
+    #[inline(always)]
+    pub fn perturbed(
+        &self,
+        rubbing: &Rubbing<R>,
+        start: &Start<R>,
+        h: R,
+        memory: &Memory<R>,
+        at: &Perturbation<R>,
+    ) -> (Perturbation<R>, Vector<R>) {
+        // the perturbed memory is the same linear map: `memory` has the perturbed modes' free sums, and what the flux
+        // adds is in `response` and `by_v` already
+        let offset = InnerHeat::new(rubbing, h, at.heat, at.flux, memory).offset;
+        let free = apply(&self.response, offset.map(|offset| start.contact * (offset + at.fit)));
+        let pull = [0, 1, 2].map(|i| {
+            let rubbed = rubbing.epsilon * self.friction[i];
+            // x at the nodes without the perturbation of v there
+            rubbing.stiffness(self.x[i]).mul_add(at.x, rubbed * free[i])
+        });
+        let integrated = integrals(pull);
+        let v = apply(&self.newton, [0, 1, 2].map(|i| at.v - h * integrated[i]));
+        let by_v = apply(&self.by_v, v);
+        let pressure = [0, 1, 2].map(|i| free[i] + by_v[i]);
+        let flux = [0, 1, 2].map(|i| {
+            let sliding = self.friction[i] * self.v[i];
+            let by_heat = self.slope[i].mul_add(self.v[i], self.friction[i]) * self.pressure[i];
+            sliding.mul_add(pressure[i], by_heat * v[i])
+        });
+        let zero = R::splat(0.0);
+        let worn = [0, 1, 2].map(|i| {
+            let pressed = R::select(self.v[i].less(zero), -self.pressure[i], self.pressure[i]);
+            self.v[i].abs().mul_add(pressure[i], pressed * v[i])
+        });
+        let end = Perturbation {
+            // x' = y and the shaft is not perturbed
+            x: at.x - h * integral(v),
+            v: v[2],
+            fit: at.fit - rubbing.k_w * h * integral(worn),
+            heat: memory.end(parabola(flux)),
+            flux: flux[2],
+        };
+        (end, flux)
+    }
+}

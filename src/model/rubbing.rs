@@ -1,0 +1,108 @@
+//! The bush's motion under a contact pressure that frictional heat and wear change, equations (2.1) to (2.5).
+//!
+//! Owns the coefficients of the coupled system and its pointwise laws; the memory of the heat is advanced by the scheme.
+//! Twin: `shaders/model/rubbing.wgsl`.
+
+use super::friction::Friction;
+use super::thermal_modes::ThermalModes;
+use crate::lanes::Real;
+use crate::parameters::{Parameter, ParameterSet};
+
+/// The system
+///
+/// ```text
+/// x'' = x - b x^3 + eps p F(v) - eps h1 y           y = x',  v = (shaft speed) - y
+/// p   = h_U - u_w + sum_m w_m q_m                   w_m = 2 gamma c_m, the lumped mode last
+/// q_m' = -r_m q_m + Q                               r_m = mu_m^2 omega-tilde,  Q = F(v) v p
+/// u_w' = k_w |v| p
+/// ```
+///
+/// in contact; in the gap after contact is lost p = 0.
+#[derive(Clone, Copy, Debug)]
+pub struct Rubbing<R> {
+    minus_b: R,
+    minus_three_b: R,
+    pub omega_k: R,
+    pub zeta_k: R,
+    /// Strength eps of the friction in the equation of motion.
+    pub epsilon: R,
+    /// eps h1.
+    pub damping: R,
+    pub k_w: R,
+    /// 2 gamma.
+    pub two_gamma: R,
+    /// delta of the fit h_U = 1 - exp(-delta tau^2); infinite where there is no ramp.
+    pub ramp_rate: R,
+    pub epsilon_0: R,
+    friction: Friction<R>,
+}
+
+impl<R: Real> Rubbing<R> {
+    pub fn new(value: impl Fn(Parameter) -> R) -> Self {
+        use Parameter::{Alpha, B, Beta, Epsilon, Epsilon0, F0, Gamma, H1, KW, OmegaK, RampRate, ZetaK};
+        let epsilon = value(Epsilon);
+        Self {
+            minus_b: -value(B),
+            minus_three_b: R::splat(-3.0) * value(B),
+            omega_k: value(OmegaK),
+            zeta_k: value(ZetaK),
+            epsilon,
+            damping: epsilon * value(H1),
+            k_w: value(KW),
+            two_gamma: R::splat(2.0) * value(Gamma),
+            ramp_rate: value(RampRate),
+            epsilon_0: value(Epsilon0),
+            friction: Friction::new(R::splat(1.0), value(F0), value(Alpha), value(Beta), value(Epsilon0)),
+        }
+    }
+
+    /// Kinetic friction F(v).
+    #[inline(always)]
+    pub fn friction(&self, v: R) -> R {
+        self.friction.force(v)
+    }
+
+    /// F'(v).
+    #[inline(always)]
+    pub fn friction_slope(&self, v: R) -> R {
+        self.friction.slope(v)
+    }
+
+    /// Acceleration of the bush, given the product of pressure and friction.
+    #[inline(always)]
+    pub fn acceleration(&self, x: R, y: R, rubbed: R) -> R {
+        let restoring = self.minus_b.mul_add(x * x, R::splat(1.0));
+        x.mul_add(restoring, self.epsilon * rubbed - self.damping * y)
+    }
+
+    /// d(acceleration)/dx = 1 - 3 b x^2.
+    #[inline(always)]
+    pub fn stiffness(&self, x: R) -> R {
+        self.minus_three_b.mul_add(x * x, R::splat(1.0))
+    }
+}
+
+/// The heat modes of one instance, as the scheme wants them: the lumped mode last.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeatModes {
+    /// r_m = mu_m^2 omega-tilde, per unit of tau.
+    pub rates: Vec<f64>,
+    /// 2 gamma c_m.
+    pub weights: Vec<f64>,
+    /// theta(1) = this times the sum of 2 gamma c_m r_m q_m: 1/(2 Bi omega-tilde).
+    pub surface_temperature: f64,
+}
+
+impl HeatModes {
+    /// The modes of an instance whose shaft has the spectrum `modes`, that of its Biot number.
+    pub fn new(parameters: &ParameterSet, modes: &ThermalModes) -> Self {
+        let (omega_tilde, gamma) = (parameters[Parameter::OmegaTilde], parameters[Parameter::Gamma]);
+        let rates = modes.roots.iter().map(|mu| mu * mu).chain([modes.lumped_rate]);
+        let weights = modes.pressure_weights.iter().copied().chain([modes.lumped_weight]);
+        Self {
+            rates: rates.map(|rate| rate * omega_tilde).collect(),
+            weights: weights.map(|weight| 2.0 * gamma * weight).collect(),
+            surface_temperature: 0.5 / (parameters[Parameter::Biot] * omega_tilde),
+        }
+    }
+}
