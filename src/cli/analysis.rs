@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
 use clap::Args;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 use tribochaos::experiment::{BackendChoice, Experiment, Request};
 use tribochaos::grid::Axis;
 use tribochaos::output::figure::Figure;
@@ -145,7 +145,7 @@ pub fn points(
     Ok(values.iter().map(|&value| at.with(*parameter, value)).collect())
 }
 
-/// Parameters by their names.
+/// Parameters by their names; JSON has no infinity, so that no ramp is null.
 pub fn parameters(at: &ParameterSet) -> Value {
     let names = PARAMETERS.iter().map(|info| info.parameter);
     let map: Map<String, Value> = names
@@ -156,15 +156,26 @@ pub fn parameters(at: &ParameterSet) -> Value {
 
 /// What a drawing shows, as TOML: equal recipes give equal drawings.
 pub fn recipe(command: &str, experiment: &Experiment, options: Value) -> String {
-    let recipe = json!({
-        "command": command,
-        "program": PROGRAM,
-        "options": options,
-        "axes": experiment.grid.axes,
-        "parameters": parameters(&experiment.grid.fixed),
-        "settings": experiment.settings,
-    });
-    toml::to_string(&recipe).expect("a recipe has a TOML form")
+    // TOML, unlike JSON, has infinities
+    let names = PARAMETERS.iter().map(|info| info.parameter);
+    let parameters: toml::Table = names
+        .map(|parameter| {
+            let value = experiment.grid.fixed[parameter];
+            (parameter.name().to_owned(), toml::Value::Float(value))
+        })
+        .collect();
+    let table = |value: Result<toml::Value, toml::ser::Error>| value.expect("a recipe has a TOML form");
+    let mut recipe = toml::Table::new();
+    recipe.insert("command".to_owned(), command.into());
+    recipe.insert("program".to_owned(), PROGRAM.into());
+    recipe.insert("options".to_owned(), table(toml::Value::try_from(options)));
+    recipe.insert("axes".to_owned(), table(toml::Value::try_from(&experiment.grid.axes)));
+    recipe.insert("parameters".to_owned(), parameters.into());
+    recipe.insert(
+        "settings".to_owned(),
+        table(toml::Value::try_from(&experiment.settings)),
+    );
+    recipe.to_string()
 }
 
 /// The files of one command: NAME.png, NAME.svg, NAME.csv, and others whose names go on.

@@ -31,9 +31,14 @@ fn fixed_parameters(map: &ParameterMap) -> String {
     fixed(map.experiment.fixed_parameters())
 }
 
-/// The parameters that a picture shows nowhere else.
+/// The parameters that a picture shows nowhere else; those of heat and wear only where there is some.
 pub fn fixed(parameters: impl Iterator<Item = (Parameter, f64)>) -> String {
-    let fixed: Vec<String> = parameters
+    use Parameter::{Biot, Gamma, KW, OmegaTilde, RampRate};
+    let all: Vec<(Parameter, f64)> = parameters.collect();
+    let is_rubbed = [Gamma, KW].iter().any(|rubbing| !all.contains(&(*rubbing, 0.0)));
+    let fixed: Vec<String> = all
+        .into_iter()
+        .filter(|(parameter, _)| is_rubbed || ![Gamma, KW, Biot, OmegaTilde, RampRate].contains(parameter))
         .map(|(parameter, value)| assignment(parameter, value))
         .collect();
     format!(
