@@ -123,10 +123,12 @@ pub struct Orbit<R: Real> {
     heat: Heat<R>,
     /// 1 in contact, 0 in the gap.
     pub contact: R,
-    /// Drive phase: its sine and cosine, and the ticks left of the period.
+    /// Drive phase: its sine and cosine, and the ticks left to where the lanes meet.
     sin: R,
     cos: R,
     left: R::Ticks,
+    /// The tick of the period that the lanes are on their way to, or at.
+    to: u32,
     /// Completed periods.
     pub periods: R,
     /// Length of the next step, in ticks.
@@ -232,6 +234,7 @@ impl<R: Real> Orbit<R> {
             sin: zero,
             cos: one,
             left: R::Ticks::splat(0),
+            to: 0,
             periods: zero,
             step: R::splat(f64::from(FIRST_STEP)),
             piece: zero,
@@ -266,12 +269,28 @@ impl<R: Real> Orbit<R> {
         )
     }
 
-    /// u_w, between two forcing periods.
-    pub fn wear(&self, system: &System<R>) -> R {
-        system.fit(self.periods * system.period) - self.fit
+    /// Time since the start of the run.
+    pub fn time(&self, system: &System<R>) -> R {
+        self.periods
+            .mul_add(system.period, R::splat(f64::from(self.to)) * system.tick)
     }
 
-    /// Angular speed of the bush, between two forcing periods.
+    /// u_w.
+    pub fn wear(&self, system: &System<R>) -> R {
+        system.fit(self.time(system)) - self.fit
+    }
+
+    /// p, 0 in the gap.
+    pub fn pressure(&self) -> R {
+        self.contact * (self.fit + self.heat.pressure)
+    }
+
+    /// theta(1), the temperature of the shaft's surface.
+    pub fn surface_temperature(&self, system: &System<R>) -> R {
+        self.heat.falloff * system.surface_temperature
+    }
+
+    /// Angular speed of the bush.
     #[inline(always)]
     pub fn y(&self, system: &System<R>) -> R {
         system.rubbing.zeta_k.mul_add(self.sin, system.rubbing.omega_k) - self.v
@@ -312,7 +331,10 @@ impl<R: Real> Orbit<R> {
                 self.left = R::Ticks::splat(0);
             }
         }
-        self.periods = self.periods + R::splat(1.0);
+        if part + 1 == parts {
+            self.periods = self.periods + one;
+            self.to = 0;
+        }
     }
 
     /// Tries one step in every lane.
@@ -334,7 +356,7 @@ impl<R: Real> Orbit<R> {
         let ticks = R::select(running, ticks, R::splat(f64::from(FIRST_STEP)));
         let h = ticks * system.tick;
 
-        let elapsed = (R::splat(f64::from(TICKS)) - left) * system.tick;
+        let elapsed = (R::splat(f64::from(self.to)) - left) * system.tick;
         let start = self.begin(system);
         let drive = self.drive(system, ticks, h, elapsed);
         let memory = Memory::new(

@@ -11,4 +11,5 @@ mod lanes;
 mod oracle;
 mod statistics;
 mod tangent;
+mod rubbed;
 mod thermal_oracle;
