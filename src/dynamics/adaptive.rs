@@ -296,20 +296,6 @@ impl<R: Real> Orbit<R> {
         system.rubbing.zeta_k.mul_add(self.sin, system.rubbing.omega_k) - self.v
     }
 
-    /// Begins a forcing period, in all lanes that have not been given up.
-    #[inline(always)]
-    fn begin_period(&mut self) {
-        let (zero, one) = (R::splat(0.0), R::splat(1.0));
-        // the drive's phase is 0 exactly: rounding does not grow from period to period
-        self.sin = zero;
-        self.cos = one;
-        let alive = self
-            .under_resolved
-            .less(R::splat(0.5))
-            .and(self.runaway.less(R::splat(0.5)));
-        self.left = R::select(alive, R::splat(f64::from(TICKS)), zero).to_ticks();
-    }
-
     /// One forcing period; a tangent vector is carried along if there is one.
     #[inline(always)]
     pub fn period(
@@ -317,10 +303,36 @@ impl<R: Real> Orbit<R> {
         system: &System<R>,
         control: &Control<R>,
         peaks: &mut Peaks<R>,
-        mut tangent: Option<&mut Tangent<R>>,
+        tangent: Option<&mut Tangent<R>>,
         scratch: &mut Scratch<R>,
     ) {
-        self.begin_period();
+        self.part_of_period(system, control, peaks, tangent, scratch, 0, 1);
+    }
+
+    /// Part `part` of `parts` equal parts of a forcing period, which follow one another from 0 on.
+    #[allow(clippy::too_many_arguments, reason = "what a step needs, and where it ends")]
+    #[inline(always)]
+    pub fn part_of_period(
+        &mut self,
+        system: &System<R>,
+        control: &Control<R>,
+        peaks: &mut Peaks<R>,
+        mut tangent: Option<&mut Tangent<R>>,
+        scratch: &mut Scratch<R>,
+        part: u32,
+        parts: u32,
+    ) {
+        let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
+        if part == 0 {
+            // the drive's phase is 0 exactly: rounding does not grow from period to period
+            self.sin = zero;
+            self.cos = one;
+        }
+        let ticks = |parts_done: u32| (u64::from(TICKS) * u64::from(parts_done) / u64::from(parts)) as u32;
+        let (from, to) = (ticks(part), ticks(part + 1));
+        let alive = self.under_resolved.less(half).and(self.runaway.less(half));
+        self.left = R::select(alive, R::splat(f64::from(to - from)), zero).to_ticks();
+        self.to = to;
         let mut passes = 0;
         while !self.left.all_zero() {
             self.pass(system, control, peaks, tangent.as_deref_mut(), scratch);

@@ -17,7 +17,9 @@ fn paper(zeta_k: f64) -> ParameterSet {
     let set = Preset::Paper
         .values()
         .iter()
-        .fold(ParameterSet::default(), |set, &(parameter, value)| set.with(parameter, value));
+        .fold(ParameterSet::default(), |set, &(parameter, value)| {
+            set.with(parameter, value)
+        });
     set.with(Parameter::ZetaK, zeta_k)
 }
 
@@ -127,11 +129,23 @@ fn the_whole_range_is_resolved_in_both_precisions() {
         assert_eq!(reference[i].status, Status::Ok, "{zeta_k}");
         for found in [&double[i], &single[i]] {
             assert_eq!(found.status, Status::Ok, "{zeta_k}");
-            assert_eq!(found.contact.lost.is_some(), reference[i].contact.lost.is_some(), "{zeta_k}");
+            assert_eq!(
+                found.contact.lost.is_some(),
+                reference[i].contact.lost.is_some(),
+                "{zeta_k}"
+            );
             let pairs = [
-                (found.contact.peak_pressure, reference[i].contact.peak_pressure, "peak pressure"),
+                (
+                    found.contact.peak_pressure,
+                    reference[i].contact.peak_pressure,
+                    "peak pressure",
+                ),
                 (found.contact.final_wear, reference[i].contact.final_wear, "wear"),
-                (found.contact.peak_temperature, reference[i].contact.peak_temperature, "temperature"),
+                (
+                    found.contact.peak_temperature,
+                    reference[i].contact.peak_temperature,
+                    "temperature",
+                ),
             ];
             for (found, expected, what) in pairs {
                 close(found, expected, 5e-3, &format!("{what} at {zeta_k}"));
@@ -163,7 +177,10 @@ fn the_modes_agree_with_finite_volumes_and_with_the_volterra_integral() {
             close(sample.wear, at.wear, tolerance, &what);
             // the flux swings through zero
             assert!((sample.temperature - at.temperature).abs() < 2e-3 * 300.0, "{what}");
-            assert!((sample.x - at.x).abs() < 1e-4 && (sample.y - at.y).abs() < 5e-4, "{what}");
+            assert!(
+                (sample.x - at.x).abs() < 1e-4 && (sample.y - at.y).abs() < 5e-4,
+                "{what}"
+            );
         }
     }
 }
@@ -187,7 +204,10 @@ fn modes_and_tolerance_converge() {
     let errors = |found: (f64, f64)| ((found.0 - exact.0).abs(), (found.1 - exact.1).abs());
     // the rest beyond M modes falls with a high power of M: from 4 to 8 by more than four, from 8 to 16 by more than ten
     let [four, eight, sixteen] = [4, 8, 16].map(|modes| errors(with(modes, 1e-7)).0);
-    assert!(eight < four / 4.0 && sixteen < eight / 10.0, "{four:e} {eight:e} {sixteen:e}");
+    assert!(
+        eight < four / 4.0 && sixteen < eight / 10.0,
+        "{four:e} {eight:e} {sixteen:e}"
+    );
     // the tolerance bounds an estimate of order 3, the steps are of order 5
     let [coarse, fine] = [1e-4, 1e-6].map(|tolerance| errors(with(32, tolerance)));
     assert!(fine.0 < coarse.0 / 5.0 && fine.0 < 1e-4, "{coarse:?} {fine:?}");
