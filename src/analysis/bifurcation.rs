@@ -30,7 +30,7 @@ pub struct Diagram {
     pub axis: Axis,
     /// [x, y] of every measured period of every orbit, for each value of the axis.
     pub columns: Vec<Vec<[f64; 2]>>,
-    /// Orbits that ran away.
+    /// Orbits that ran away, or that the scheme gave up as under-resolved.
     pub runaways: usize,
 }
 

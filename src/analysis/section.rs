@@ -28,7 +28,7 @@ pub fn periods(points: u64, orbits: u32) -> u32 {
 pub struct Section {
     /// (x, y), one state of every orbit after the other for each period.
     pub points: Vec<[f64; 2]>,
-    /// Orbits that ran away.
+    /// Orbits that ran away, or that the scheme gave up as under-resolved.
     pub runaways: usize,
 }
 

@@ -137,7 +137,10 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
         numerics += &format!("{outside} of {} states lie outside the frame. ", diagram.len());
     }
     if diagram.runaways > 0 {
-        numerics += &format!("{} orbits ran away. ", diagram.runaways);
+        numerics += &format!(
+            "{} orbits ran away or were given up as under-resolved. ",
+            diagram.runaways
+        );
     }
     let shown = [axis.parameter, Parameter::X0, Parameter::Y0];
     let caption = vec![
@@ -175,7 +178,10 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
         report::duration(started.elapsed())
     );
     if diagram.runaways > 0 {
-        say!("{} orbits ran away", diagram.runaways);
+        say!(
+            "{} orbits ran away or were given up as under-resolved",
+            diagram.runaways
+        );
     }
     files.report(None);
     Ok(())

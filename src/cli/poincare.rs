@@ -94,7 +94,7 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
         numerics += &format!("{outside} states lie outside the window. ");
     }
     if runaways > 0 {
-        numerics += &format!("{runaways} orbits ran away. ");
+        numerics += &format!("{runaways} orbits ran away or were given up as under-resolved. ");
     }
     let caption = vec![charts::fixed(at, &[]), format!("{numerics}{PROGRAM}.")];
     files.draw(

@@ -117,7 +117,7 @@ pub enum Layer {
     Density(Density),
     /// A line across the frame at a height.
     Level { y: f64, stroke: Stroke },
-    /// A line up the frame, and words beside its upper end.
+    /// A line up the frame, and words above it, where they hide nothing.
     Flag { x: f64, words: String, stroke: Stroke },
 }
 
@@ -161,6 +161,13 @@ impl Panel {
         }
     }
 
+    fn flags(&self) -> impl Iterator<Item = (f64, &str)> {
+        self.layers.iter().filter_map(|layer| match layer {
+            Layer::Flag { x, words, .. } => Some((*x, words.as_str())),
+            _ => None,
+        })
+    }
+
     fn density(&self) -> Option<&Density> {
         self.layers.iter().find_map(|layer| match layer {
             Layer::Density(density) => Some(density),
@@ -185,6 +192,18 @@ impl Panel {
         );
         if !self.title.is_empty() {
             words(svg, &self.title, left, top - 0.55 * LABEL_SIZE, LABEL_SIZE, "start");
+        }
+        let mut clear = if self.title.is_empty() {
+            left
+        } else {
+            left + width(&self.title, LABEL_SIZE) + 16.0
+        };
+        for (x, text) in self.flags() {
+            // above its line, but for the title and the frame's end
+            let room = left + frame_width - width(text, TICK_SIZE);
+            let at = (left + self.x.part(x) * frame_width - 6.0).min(room).max(clear);
+            words(svg, text, at, top - 0.55 * LABEL_SIZE, TICK_SIZE, "start");
+            clear = at + width(text, TICK_SIZE) + 16.0;
         }
         self.draw_axes(svg, frame);
         if let Some(density) = self.density() {
@@ -244,7 +263,7 @@ impl Panel {
                     stroke.attributes()
                 );
             }
-            Layer::Flag { x, words: text, stroke } => {
+            Layer::Flag { x, stroke, .. } => {
                 let (x, _) = place([*x, self.y.low]);
                 let _ = writeln!(
                     svg,
@@ -252,14 +271,6 @@ impl Panel {
                     top + frame_height,
                     stroke.attributes()
                 );
-                // on the side where there is room
-                let is_right = x + 12.0 + width(text, TICK_SIZE) < left + frame_width;
-                let (at, anchor) = if is_right { (x + 6.0, "start") } else { (x - 6.0, "end") };
-                // on a white ground, since curves may run behind
-                svg.push_str("<g stroke=\"#ffffff\" stroke-width=\"5\" stroke-linejoin=\"round\">\n");
-                words(svg, text, at, top + 1.4 * TICK_SIZE, TICK_SIZE, anchor);
-                svg.push_str("</g>\n");
-                words(svg, text, at, top + 1.4 * TICK_SIZE, TICK_SIZE, anchor);
             }
         }
         Ok(())
