@@ -98,6 +98,7 @@ fn melnikov_refuses_what_has_no_meaning() {
     let folder = TempDir::new().unwrap();
     for (args, reason) in [
         (&["--set", "b=-1"][..], "b > 0"),
+        (&["--set", "gamma=1.87"], "set gamma = 0 and k_w = 0"),
         (&["--threshold", "epsilon_0"], "does not depend on epsilon_0"),
         (&["--threshold", "zeta_k=2:1"], "lower one first"),
         (&["--over", "zeta_k=0:1:3"], "over zeta_k itself"),
@@ -136,6 +137,7 @@ fn phase_draws_orbits_and_does_not_overwrite_others() {
         (&["--start", "1,0", "--set", "x0=1"], "leave x0, y0"),
         (&["--initial-states", "100"], "too many for one picture"),
         (&["--periods", "2"], "from 16"),
+        (&["--set", "gamma=1.87"], "set gamma = 0 and k_w = 0"),
     ] {
         assert_refused(folder.path(), &[&["phase", "--out", "p"], args].concat(), reason);
     }
@@ -156,6 +158,7 @@ fn poincare_counts_its_states() {
         (&["--periods", "100"][..], "leave --periods out"),
         (&["--points", "0"], "0"),
         (&["--window", "1:0,0:1"], "no extent"),
+        (&["--set", "k_w=0.01"], "set k_w = 0"),
     ] {
         assert_refused(folder.path(), &[&["poincare", "--out", "p"], args].concat(), reason);
     }
@@ -204,6 +207,8 @@ fn bifurcation_shows_states_over_an_axis() {
         ),
         (&["--limits", "1:0"], "lower one first"),
         (&["--show", "z"], "z"),
+        (&["--set", "k_w=0.01"], "set k_w = 0"),
+        (&["--follow", "up", "--set", "gamma=1.87"], "not the heat of the shaft"),
     ] {
         assert_refused(folder.path(), &[&["bifurcation", "--out", "b"], args].concat(), reason);
     }
@@ -233,6 +238,18 @@ fn lyapunov_finds_the_onset_and_names_the_initial_state() {
         let args = ["lyapunov", "--x", x, "--start", "0.1,0", "--out", x];
         assert!(run(folder.path(), &args).contains(said));
     }
+    let worn = [
+        "lyapunov",
+        "--set",
+        "k_w=0.01",
+        "--x",
+        "zeta_k=3.5:3.9:2",
+        "--periods",
+        "16",
+        "--out",
+        "w",
+    ];
+    assert!(run(folder.path(), &worn).contains("not looked for"));
     for (args, reason) in [
         (&["--onset-spacing", "0"][..], "must be positive"),
         (

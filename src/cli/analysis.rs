@@ -99,6 +99,22 @@ pub fn experiment(args: &ExperimentArgs, axis: Option<Axis>, defaults: Request) 
     Ok(experiment)
 }
 
+/// Whether the contact wears somewhere: all motion there is transient.
+pub fn wears(experiment: &Experiment) -> bool {
+    experiment.extent(Parameter::KW).1 > 0.0
+}
+
+/// # Errors
+/// If the contact wears: there is no attractor whose states could be shown.
+pub fn check_lasting(experiment: &Experiment) -> Result<(), Failure> {
+    if wears(experiment) {
+        return Err(Failure::Input(anyhow!(
+            "with wear all motion is transient, and has no attractor to draw: set k_w = 0"
+        )));
+    }
+    Ok(())
+}
+
 pub fn choose(experiment: &Experiment) -> Result<Choice, Failure> {
     choice::choose(experiment).map_err(Failure::backend)
 }

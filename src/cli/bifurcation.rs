@@ -80,6 +80,13 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
         )));
     }
     let columns = args.follow.unwrap_or(Columns::Fresh);
+    analysis::check_lasting(&experiment)?;
+    if columns != Columns::Fresh && experiment.is_rubbed() {
+        return Err(Failure::Input(anyhow::anyhow!(
+            "--follow carries the angle and the speed of the bush from column to column, not the heat of the shaft: leave \
+             --follow out, or set gamma = 0"
+        )));
+    }
     let options = json!({
         "show": args.show,
         "columns": columns,

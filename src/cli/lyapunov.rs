@@ -118,7 +118,8 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
         .map_err(Failure::backend)?
         .ok_or_else(interrupted)?;
     drop(bar);
-    let onset = if args.no_onset {
+    // with wear exponents are of finite time, and motion has no class
+    let onset = if args.no_onset || analysis::wears(&experiment) {
         None
     } else {
         let observer = &mut |_: sweep::Event<'_>| progress::until_interrupted();
