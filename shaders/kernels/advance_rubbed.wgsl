@@ -1,0 +1,80 @@
+// Carries the rubbed bush on by some forcing periods, one thread an instance, with a tangent vector or without; where
+// they are measured, sums up growth and compares stroboscopic states.
+
+// Whether a tangent vector is carried along.
+override CARRIES_TANGENT: bool;
+
+// Passes that a period may take: beyond, it is under-resolved.
+override PASS_BUDGET: u32;
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn advance_rubbed(@builtin(global_invocation_id) thread: vec3<u32>) {
+    if (thread.x >= span.instances) {
+        return;
+    }
+    let instance = span.first_instance + thread.x;
+    var orbit = orbits[instance];
+    // nothing more is asked of an instance that has been given up
+    if (orbit.given_up_period != 0u) {
+        return;
+    }
+    let system = system_new(parameters[instance], instance);
+    // where there is wear, the run is transient by nature: the growth is that of the motion until contact is lost
+    let wears = system.rubbing.k_w > 0.0;
+    let with_heat = select(1.0, 0.0, wears);
+    var carries = CARRIES_TANGENT && !(wears && orbit.lost_periods >= 0.0);
+    var sums = totals[instance];
+    if (span.measured != 0u && span.first == 0u) {
+        orbit.x_min = orbit.x;
+        orbit.x_max = orbit.x;
+    }
+    var growth = 0.0;
+    var passes = 0u;
+    var period = 0u;
+    // one flat loop: threads whose periods end at different passes do not wait for each other
+    begin_period(&orbit);
+    loop {
+        orbit_pass(&orbit, system, carries);
+        passes++;
+        orbit.x_min = min(orbit.x_min, orbit.x);
+        orbit.x_max = max(orbit.x_max, orbit.x);
+        if (carries && wears && orbit.lost_periods >= 0.0) {
+            growth += log(normalise(&orbit, system, with_heat));
+            carries = false;
+        }
+        if (orbit.left != 0u) {
+            if (passes < PASS_BUDGET) {
+                continue;
+            }
+            orbit.under_resolved = 1u;
+        }
+        if ((orbit.under_resolved | orbit.runaway) != 0u) {
+            orbit.given_up_period = span.elapsed + period + 1u;
+            break;
+        }
+        if (carries) {
+            growth += log(normalise(&orbit, system, with_heat));
+        }
+        orbit.periods += 1.0;
+        if (span.measured != 0u) {
+            let index = span.first + period;
+            sums.growth += growth;
+            sums.birkhoff = fma(growth, birkhoff_weights[index], sums.birkhoff);
+            if (index >= run.unrecorded) {
+                // the drive's phase is 0
+                let y = system.rubbing.omega_k - orbit.v;
+                orbit.candidates =
+                    record(instance, index - run.unrecorded, orbit.x, y, run.period_tolerance, orbit.candidates);
+            }
+        }
+        period++;
+        if (period == span.periods) {
+            break;
+        }
+        growth = 0.0;
+        passes = 0u;
+        begin_period(&orbit);
+    }
+    orbits[instance] = orbit;
+    totals[instance] = sums;
+}
