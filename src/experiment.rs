@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use crate::grid::{Axis, AxisError, Grid};
+use crate::model::thermal_modes;
 use crate::parameters::{PARAMETERS, Parameter, ParameterError, ParameterSet};
 
 /// The stepping scheme.
@@ -19,24 +20,35 @@ pub enum Scheme {
     Taylor,
     /// The classical Runge-Kutta scheme of order 4 with a fixed step, as in the paper.
     Rk4,
+    /// Radau IIA of order 5 for frictional heat and wear: exact heat modes, steps by an error tolerance that end at the
+    /// boundaries of the friction layer and where contact is lost.
+    Radau,
 }
 
 impl Scheme {
-    pub const ALL: [Self; 2] = [Self::Taylor, Self::Rk4];
+    pub const ALL: [Self; 3] = [Self::Taylor, Self::Rk4, Self::Radau];
 
     /// The name in files and commands.
     pub fn name(self) -> &'static str {
         match self {
             Self::Taylor => "taylor",
             Self::Rk4 => "rk4",
+            Self::Radau => "radau",
         }
     }
 
-    /// Steps in a forcing period where none are asked for. Taylor's: events add to them.
+    /// Whether the scheme carries frictional heat and wear; the others hold the pressure at 1.
+    pub fn carries_heat(self) -> bool {
+        self == Self::Radau
+    }
+
+    /// Steps in a forcing period where none are asked for: of rk4 all, of the others the longest, to which the friction
+    /// layer adds.
     pub fn default_steps_per_period(self) -> u32 {
         match self {
             Self::Taylor => 28,
             Self::Rk4 => 628,
+            Self::Radau => 16,
         }
     }
 }
@@ -71,12 +83,18 @@ pub struct InitialBox {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
-    /// Stepping scheme: `taylor` or `rk4` (taylor). [`Settings::scheme`] resolves it.
+    /// Stepping scheme: `taylor`, `rk4` or `radau` (radau where there is frictional heat or wear, else taylor).
+    /// [`Settings::for_model`] resolves it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scheme: Option<Scheme>,
     /// Steps in a forcing period: by default what suits the scheme. [`Settings::steps_per_period`] resolves it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steps_per_period: Option<u32>,
+    /// Heat modes of the shaft, besides the lumped one (12).
+    pub modes: u32,
+    /// Error of a step of radau (1e-4): of v in units of 1 outside the friction layer and of its half-width inside it, of
+    /// the pressure relative.
+    pub tolerance: f64,
     /// Forcing periods before the measurement (300).
     pub transient_periods: u32,
     /// The last periods of the transient, in which the tangent vectors turn to their directions (50).
@@ -111,6 +129,8 @@ impl Default for Settings {
         Self {
             scheme: None,
             steps_per_period: None,
+            modes: 12,
+            tolerance: 1e-4,
             transient_periods: 300,
             align_periods: 50,
             periods: 250,
@@ -130,6 +150,12 @@ impl Default for Settings {
     }
 }
 
+/// The heat has settled where the slowest mode has decayed by e to this power.
+const SETTLED: f64 = 10.0;
+
+/// Most heat modes: what the GPU's kernels hold.
+pub const MAX_MODES: u32 = 64;
+
 /// Least half-width of the friction layer in f32: below, the tangent in the layer loses all digits.
 pub const MIN_EPSILON_0_F32: f64 = 1e-4;
 
@@ -145,13 +171,26 @@ impl Settings {
             .unwrap_or_else(|| self.scheme().default_steps_per_period())
     }
 
-    /// The settings with the scheme and its steps written out, so that a later default changes nothing.
-    fn resolved(&self) -> Self {
-        Self {
-            scheme: Some(self.scheme()),
-            steps_per_period: Some(self.steps_per_period()),
+    /// The settings with the scheme and its steps written out, so that a later default changes nothing, for instances
+    /// with frictional heat or wear (`rubbed`) or without.
+    ///
+    /// # Errors
+    /// If a scheme was asked for that does not carry heat and wear where there are some.
+    pub fn for_model(&self, rubbed: bool) -> Result<Self, ExperimentError> {
+        let scheme = match self.scheme {
+            Some(scheme) if rubbed && !scheme.carries_heat() => {
+                return Err(ExperimentError::SchemeWithoutHeat { scheme: scheme.name() });
+            }
+            Some(scheme) => scheme,
+            None if rubbed => Scheme::Radau,
+            None => Scheme::Taylor,
+        };
+        let steps_per_period = self.steps_per_period.unwrap_or(scheme.default_steps_per_period());
+        Ok(Self {
+            scheme: Some(scheme),
+            steps_per_period: Some(steps_per_period),
             ..self.clone()
-        }
+        })
     }
 
     fn check(&self) -> Result<(), ExperimentError> {
@@ -162,7 +201,11 @@ impl Settings {
                 Err(ExperimentError::Setting { name, value, min, max })
             }
         };
-        range("steps_per_period", self.steps_per_period().into(), 8.0, 100_000.0)?;
+        // the clock of radau holds no longer steps in f32
+        let fewest = if self.scheme() == Scheme::Radau { 16.0 } else { 8.0 };
+        range("steps_per_period", self.steps_per_period().into(), fewest, 100_000.0)?;
+        range("modes", self.modes.into(), 1.0, MAX_MODES.into())?;
+        range("tolerance", self.tolerance, 1e-9, 1e-2)?;
         range("transient_periods", self.transient_periods.into(), 0.0, 1e7)?;
         range(
             "align_periods",
@@ -282,10 +325,11 @@ impl Request {
             parameter.check(value)?;
             fixed[parameter] = value;
         }
-        let experiment = Experiment {
+        let mut experiment = Experiment {
             grid: Grid { axes, fixed },
-            settings: self.settings.resolved(),
+            settings: self.settings.clone(),
         };
+        experiment.settings = self.settings.for_model(experiment.is_rubbed())?;
         experiment.settings.check()?;
         if experiment.settings.precision == Some(Precision::F32) || experiment.settings.backend == BackendChoice::Gpu {
             experiment.check_f32()?;
@@ -319,6 +363,11 @@ impl Experiment {
         }
     }
 
+    /// Whether there is frictional heat or wear anywhere in the grid: the pressure is then no constant.
+    pub fn is_rubbed(&self) -> bool {
+        self.extent(Parameter::Gamma).1 > 0.0 || self.extent(Parameter::KW).1 > 0.0
+    }
+
     /// Whether f32 can carry the experiment.
     ///
     /// # Errors
@@ -337,6 +386,7 @@ impl Experiment {
             // its steps shorten themselves, and where they cannot, the point is under-resolved
             Scheme::Taylor => Vec::new(),
             Scheme::Rk4 => self.fixed_step_warnings(),
+            Scheme::Radau => self.settling_warning().into_iter().collect(),
         }
     }
 
@@ -369,6 +419,27 @@ impl Experiment {
             ));
         }
         warnings
+    }
+
+    /// Whether the transient is long enough for the shaft to warm through where its heat is to reach a steady state: without
+    /// wear. The slowest heat mode decays at the rate mu_1^2 omega-tilde.
+    fn settling_warning(&self) -> Option<String> {
+        if self.extent(Parameter::Gamma).1 == 0.0 || self.extent(Parameter::KW).0 > 0.0 {
+            return None;
+        }
+        let (biot, omega_tilde) = (self.extent(Parameter::Biot).0, self.extent(Parameter::OmegaTilde).0);
+        let slowest = thermal_modes::roots(biot, 1)[0].powi(2) * omega_tilde;
+        let period = TAU / self.extent(Parameter::Omega0).1;
+        let transient = f64::from(self.settings.transient_periods) * period;
+        (slowest * transient < SETTLED).then(|| {
+            let enough = (SETTLED / (slowest * period)).ceil();
+            format!(
+                "the shaft warms through in about {:.3} tau (1/(mu_1^2 omega_tilde), at biot = {biot} and omega_tilde = \
+                 {omega_tilde}), and the transient of {transient:.4} tau is too short for its heat to settle: use \
+                 --transient-periods {enough} or more",
+                1.0 / slowest
+            )
+        })
     }
 
     /// The experiment as TOML; [`Request::from_toml`] reads it back. Only maps have a file form.
@@ -412,6 +483,11 @@ pub enum ExperimentError {
     SameAxes { name: &'static str },
     #[error("{name} is an axis and set to a value as well: leave one of the two out")]
     SetAxis { name: &'static str },
+    #[error(
+        "the scheme {scheme} holds the contact pressure at 1 and knows neither frictional heat nor wear: leave --scheme out, \
+         or set gamma = 0 and k_w = 0"
+    )]
+    SchemeWithoutHeat { scheme: &'static str },
     #[error("a GPU integrates in f32: leave --precision f64 out, or use --backend cpu")]
     GpuF64,
     #[error(
@@ -444,7 +520,10 @@ mod tests {
             let settings = request.resolve().unwrap().settings;
             (settings.scheme.unwrap(), settings.steps_per_period.unwrap())
         };
-        assert_eq!(steps(&request), (Scheme::Taylor, Scheme::Taylor.default_steps_per_period()));
+        assert_eq!(
+            steps(&request),
+            (Scheme::Taylor, Scheme::Taylor.default_steps_per_period())
+        );
         request.settings.scheme = Some(Scheme::Rk4);
         assert_eq!(steps(&request), (Scheme::Rk4, 628));
         request.settings.steps_per_period = Some(100);

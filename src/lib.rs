@@ -4,8 +4,9 @@
 //!
 //! From the bottom to the top; nothing knows of what stands below it in this list:
 //!
-//! - [`parameters`], [`grid`], [`experiment`]: what is computed;
-//! - [`lanes`], [`model`], [`dynamics`]: numbers, physics, and algorithms over the physics;
+//! - [`parameters`], [`grid`]: the quantities of the system, and axes over them;
+//! - [`lanes`], [`model`]: numbers and physics;
+//! - [`experiment`], [`dynamics`]: what is computed, and the algorithms over the physics;
 //! - [`measurement`]: what is measured of a point, and the classes of motion;
 //! - [`backend`]: batches of instances on the CPU or a GPU;
 //! - [`map`]: measurements over two axes, and the threshold of chaos;

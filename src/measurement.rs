@@ -8,13 +8,14 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Status {
     Ok,
-    /// The state became non-finite, or left |x| + |y| < [`RUNAWAY_BOUND`].
+    /// The state became non-finite, or left |x| + |y| < [`RUNAWAY_BOUND`], or the thermal pressure reached
+    /// [`PRESSURE_BOUND`](crate::dynamics::adaptive::PRESSURE_BOUND).
     Runaway {
         /// The end of the forcing period in which it happened, in units of tau from the start of the run.
         time: f64,
     },
-    /// The sum of the exponents misses the mean divergence by more than [`DEFECT_BOUND`], or a number overflowed: the
-    /// step, or the interval between renormalisations, is too long for the stiffness met.
+    /// The sum of the exponents misses the mean divergence by more than [`DEFECT_BOUND`], a number overflowed, or the
+    /// scheme gave up: the step, or the interval between renormalisations, is too long for the stiffness met.
     UnderResolved,
 }
 
@@ -95,6 +96,7 @@ impl Class {
     }
 }
 
+const CONTACT_NAMES: &[&str] = &["held", "lost"];
 const CLASS_NAMES: &[&str] = &["chaotic", "regular", "quasi_periodic", "undecided"];
 const STATUS_NAMES: &[&str] = &["ok", "runaway", "under_resolved"];
 const BACKEND_NAMES: &[&str] = &["cpu_f64", "cpu_f32", "gpu_f32"];
@@ -133,22 +135,65 @@ impl BackendKind {
     }
 }
 
+/// What a run has shown of the contact between bush and shaft.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// tau_c, when the pressure first fell to 0; None where contact held to the end of the run.
+    pub lost: Option<f64>,
+    pub peak_pressure: f64,
+    /// When, in tau from the start of the run.
+    pub peak_pressure_time: f64,
+    /// u_w at the end of the run.
+    pub final_wear: f64,
+    /// Greatest temperature theta(1, tau) of the shaft's surface.
+    pub peak_temperature: f64,
+}
+
+impl Contact {
+    /// A contact that neither heats nor wears.
+    pub const CONSTANT: Self = Self {
+        lost: None,
+        peak_pressure: 1.0,
+        peak_pressure_time: 0.0,
+        final_wear: 0.0,
+        peak_temperature: 0.0,
+    };
+
+    /// Nothing is known of it.
+    const UNKNOWN: Self = Self {
+        lost: None,
+        peak_pressure: f64::NAN,
+        peak_pressure_time: f64::NAN,
+        final_wear: f64::NAN,
+        peak_temperature: f64::NAN,
+    };
+
+    /// `held` or `lost`.
+    pub fn status_name(&self) -> &'static str {
+        CONTACT_NAMES[usize::from(self.lost.is_some())]
+    }
+}
+
 /// What is measured of one point. Numbers are NaN where they do not apply (after a runaway).
 #[derive(Clone, Copy, Debug)]
 pub struct Measurement {
     pub status: Status,
-    /// None unless the status is ok.
+    /// None unless the status is ok and the motion lasts: where the contact wears, all motion is transient.
     pub class: Option<Class>,
-    /// Maximal exponent, the larger of the two non-trivial ones, per unit of tau.
+    /// Maximal exponent, the larger of the two non-trivial ones, per unit of tau. With wear it is one of finite time: the
+    /// growth of sqrt(X^2 + Y^2) from (X, Y, rest) = (1, 0, 0), from the start until contact is lost, or to the end.
     pub lyapunov: f64,
-    /// Its standard error, by batch means.
+    /// Its standard error, by batch means; NaN for an exponent of finite time.
     pub lyapunov_error: f64,
-    /// The smaller of the two non-trivial exponents; equal to the maximal one where the tangent vectors rotate.
+    /// The smaller of the two non-trivial exponents; equal to the maximal one where the tangent vectors rotate. NaN with
+    /// heat or wear, whose tangent space has more dimensions.
     pub lyapunov_second: f64,
-    /// Mean divergence of the flow, which the sum of the two exponents equals.
+    /// Mean divergence of the flow, which the sum of the two exponents equals. NaN with heat or wear.
     pub divergence: f64,
-    /// Weighted Birkhoff average of the maximal exponent.
+    /// Weighted Birkhoff average of the maximal exponent; NaN for an exponent of finite time.
     pub lyapunov_birkhoff: f64,
+    /// Length of the interval over which the exponent is taken, in tau.
+    pub lyapunov_interval: f64,
     /// Least number of forcing periods after which the motion repeats; None unless settled on a cycle that attracts
     /// strongly enough for the run to have reached it.
     pub period: Option<u32>,
@@ -162,6 +207,7 @@ pub struct Measurement {
     pub chaotic_fraction: f64,
     /// Number of distinct attractors that the initial states lead to.
     pub attractors: u32,
+    pub contact: Contact,
     pub backend: BackendKind,
     /// Where the orbit began: (x0, y0).
     pub initial_state: [f64; 2],
@@ -178,6 +224,7 @@ impl Measurement {
             lyapunov_second: f64::NAN,
             divergence: f64::NAN,
             lyapunov_birkhoff: f64::NAN,
+            lyapunov_interval: f64::NAN,
             period: None,
             x: f64::NAN,
             y: f64::NAN,
@@ -185,12 +232,14 @@ impl Measurement {
             x_max: f64::NAN,
             chaotic_fraction: 0.0,
             attractors: 0,
+            contact: Contact::UNKNOWN,
             backend,
             initial_state: [f64::NAN; 2],
         }
     }
 
-    /// Difference between the sum of the exponents and the mean divergence: the program's check of itself.
+    /// Difference between the sum of the exponents and the mean divergence: the program's check of itself. NaN with heat
+    /// or wear.
     pub fn divergence_defect(&self) -> f64 {
         self.lyapunov + self.lyapunov_second - self.divergence
     }
@@ -205,6 +254,7 @@ pub enum Quantity {
     LyapunovSecond,
     Divergence,
     LyapunovBirkhoff,
+    LyapunovInterval,
     Period,
     X,
     Y,
@@ -212,6 +262,12 @@ pub enum Quantity {
     XMax,
     ChaoticFraction,
     Attractors,
+    ContactStatus,
+    ContactTime,
+    PeakPressure,
+    PeakPressureTime,
+    FinalWear,
+    PeakTemperature,
     RunawayTime,
     Class,
     Status,
@@ -253,6 +309,7 @@ quantity_table! {
     LyapunovSecond   "lyapunov_second"   "second Lyapunov exponent λ₂"             "1/tau" Values::Number;
     Divergence       "divergence"        "mean divergence"                         "1/tau" Values::Number;
     LyapunovBirkhoff "lyapunov_birkhoff" "weighted Birkhoff average of λ₁"         "1/tau" Values::Number;
+    LyapunovInterval "lyapunov_interval" "interval over which λ₁ is taken"         "tau"   Values::Number;
     Period           "period"            "period of the motion / forcing period"   "1"     Values::Number;
     X                "x"                 "last stroboscopic angle x"               "1"     Values::Number;
     Y                "y"                 "last stroboscopic angular speed y"       "1"     Values::Number;
@@ -260,6 +317,12 @@ quantity_table! {
     XMax             "x_max"             "greatest angle x"                        "1"     Values::Number;
     ChaoticFraction  "chaotic_fraction"  "fraction of initial states with chaos"   "1"     Values::Number;
     Attractors       "attractors"        "number of distinct attractors"           "1"     Values::Number;
+    ContactStatus    "contact_status"    "whether contact is lost"                 "1"     Values::Code(CONTACT_NAMES);
+    ContactTime      "contact_time"      "time at which contact is lost"           "tau"   Values::Number;
+    PeakPressure     "peak_pressure"     "greatest contact pressure p"             "1"     Values::Number;
+    PeakPressureTime "peak_pressure_time" "time of the greatest pressure"          "tau"   Values::Number;
+    FinalWear        "final_wear"        "wear at the end of the run"              "1"     Values::Number;
+    PeakTemperature  "peak_temperature"  "greatest surface temperature θ(1, τ)"    "1"     Values::Number;
     RunawayTime      "runaway_time"      "time of runaway"                         "tau"   Values::Number;
     Class            "class"             "kind of motion"                          "1"     Values::Code(CLASS_NAMES);
     Status           "status"            "how the integration ended"               "1"     Values::Code(STATUS_NAMES);
@@ -283,6 +346,7 @@ impl Quantity {
             Self::LyapunovSecond => m.lyapunov_second,
             Self::Divergence => m.divergence,
             Self::LyapunovBirkhoff => m.lyapunov_birkhoff,
+            Self::LyapunovInterval => m.lyapunov_interval,
             Self::Period => m.period.map_or(f64::NAN, f64::from),
             Self::X => m.x,
             Self::Y => m.y,
@@ -290,6 +354,15 @@ impl Quantity {
             Self::XMax => m.x_max,
             Self::ChaoticFraction => m.chaotic_fraction,
             Self::Attractors => f64::from(m.attractors),
+            Self::ContactStatus => match m.status {
+                Status::Runaway { .. } => f64::NAN,
+                Status::Ok | Status::UnderResolved => f64::from(u8::from(m.contact.lost.is_some())),
+            },
+            Self::ContactTime => m.contact.lost.unwrap_or(f64::NAN),
+            Self::PeakPressure => m.contact.peak_pressure,
+            Self::PeakPressureTime => m.contact.peak_pressure_time,
+            Self::FinalWear => m.contact.final_wear,
+            Self::PeakTemperature => m.contact.peak_temperature,
             Self::RunawayTime => match m.status {
                 Status::Runaway { time } => time,
                 Status::Ok | Status::UnderResolved => f64::NAN,

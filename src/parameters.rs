@@ -165,6 +165,23 @@ impl ParameterSet {
     }
 }
 
+impl ParameterSet {
+    /// Whether friction heats the shaft or wears it: the contact pressure is then no constant.
+    pub fn is_rubbed(&self) -> bool {
+        self[Parameter::Gamma] > 0.0 || self[Parameter::KW] > 0.0
+    }
+
+    /// Whether the contact wears: the motion is then transient by nature, and its exponent one of finite time.
+    pub fn wears(&self) -> bool {
+        self[Parameter::KW] > 0.0
+    }
+
+    /// The period of the drive in units of tau, 2 pi/omega_0.
+    pub fn forcing_period(&self) -> f64 {
+        std::f64::consts::TAU / self[Parameter::Omega0]
+    }
+}
+
 impl Index<Parameter> for ParameterSet {
     type Output = f64;
     fn index(&self, parameter: Parameter) -> &f64 {

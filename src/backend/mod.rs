@@ -7,12 +7,11 @@ pub mod cpu;
 pub mod gpu;
 pub mod twins;
 
-use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use crate::dynamics::{statistics, stroboscope};
 use crate::experiment::Settings;
-use crate::measurement::{BackendKind, CONSTANT_GROWTH, Class, Cycle, DEFECT_BOUND, Measurement, Status};
+use crate::measurement::{BackendKind, CONSTANT_GROWTH, Class, Contact, Cycle, DEFECT_BOUND, Measurement, Status};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// What the forcing periods of a slice are for.
@@ -61,6 +60,7 @@ pub struct EndState {
     pub runaway_period: Option<u32>,
     /// Whether the scheme gave the instance up: its motion needed more, or shorter, steps than there may be.
     pub under_resolved: bool,
+    pub contact: Contact,
 }
 
 /// Integrates batches of instances.
@@ -119,9 +119,51 @@ const LONGEST_SLICE: u32 = 16;
 /// Runs a batch from its initial states to its measurements. `progress` hears after every slice how many
 /// instance-periods it did, and may break the run off; then None is returned.
 ///
+/// Instances whose contact wears have no transient: all their motion is one, and everything of it is measured, over
+/// `settings.periods`.
+///
 /// # Errors
-/// If the backend fails.
+/// If the backend fails, or the scheme that was asked for does not carry the heat and wear of an instance.
 pub fn measure_batch(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    instances: &[ParameterSet],
+    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Result<Option<Vec<Measurement>>, BackendError> {
+    let settings = settings
+        .for_model(instances.iter().any(ParameterSet::is_rubbed))
+        .map_err(|error| BackendError::Unsupported(error.to_string()))?;
+    let (wearing, lasting): (Vec<usize>, Vec<usize>) =
+        (0..instances.len()).partition(|&index| instances[index].wears());
+    let mut measured = vec![None; instances.len()];
+    let whole_run = u64::from(settings.transient_periods) + u64::from(settings.periods);
+    let from_the_start = Settings {
+        transient_periods: 0,
+        align_periods: 0,
+        ..settings.clone()
+    };
+    for (indices, settings, share) in [
+        (lasting, &settings, whole_run),
+        (wearing, &from_the_start, u64::from(settings.periods)),
+    ] {
+        if indices.is_empty() {
+            continue;
+        }
+        let instances: Vec<_> = indices.iter().map(|&index| instances[index]).collect();
+        // both kinds count as a whole run, which is what was announced
+        let progress = &mut |instance_periods: u64| progress(instance_periods * whole_run / share);
+        let Some(batch) = measure_alike(backend, settings, &instances, progress)? else {
+            return Ok(None);
+        };
+        for (index, measurement) in indices.into_iter().zip(batch) {
+            measured[index] = Some(measurement);
+        }
+    }
+    Ok(measured.into_iter().collect())
+}
+
+/// Runs a batch of instances all of which wear or none.
+fn measure_alike(
     backend: &mut dyn Backend,
     settings: &Settings,
     instances: &[ParameterSet],
@@ -211,12 +253,36 @@ impl Growth {
         end: &EndState,
         backend: BackendKind,
     ) -> Measurement {
-        let period_time = TAU / parameters[Parameter::Omega0];
+        let period_time = parameters.forcing_period();
         if let Some(period) = end.runaway_period {
             return Measurement::runaway(f64::from(period) * period_time, backend);
         }
+        if settings.scheme().carries_heat() {
+            return self.rubbed_measurement(parameters, settings, end, backend);
+        }
         let time = f64::from(settings.periods) * period_time;
         let [lyapunov, lyapunov_second] = statistics::exponents(self.total.growth.map(|growth| growth / time));
+        let measurement = self.lasting_measurement(parameters, settings, end, backend, lyapunov);
+        let measurement = Measurement {
+            lyapunov_second,
+            divergence: self.total.divergence / time,
+            ..measurement
+        };
+        // written so that NaN fails
+        let resolved = measurement.divergence_defect().abs() <= DEFECT_BOUND * (1.0 + measurement.divergence.abs());
+        checked(measurement, resolved && !end.under_resolved)
+    }
+
+    /// The measurement of a motion that lasts, given its maximal exponent.
+    fn lasting_measurement(
+        &self,
+        parameters: &ParameterSet,
+        settings: &Settings,
+        end: &EndState,
+        backend: BackendKind,
+        lyapunov: f64,
+    ) -> Measurement {
+        let period_time = parameters.forcing_period();
         let lyapunov_error = statistics::standard_error(&self.batches) / period_time;
         let lyapunov_birkhoff = self.total.birkhoff / period_time;
         let window = stroboscope::window(settings.periods);
@@ -225,14 +291,15 @@ impl Growth {
             growth_rate: self.rate_over_last(window) / period_time,
         });
         let class = Class::of(lyapunov, lyapunov_error, cycle, lyapunov_birkhoff);
-        let measurement = Measurement {
+        Measurement {
             status: Status::Ok,
             class: Some(class),
             lyapunov,
             lyapunov_error,
-            lyapunov_second,
-            divergence: self.total.divergence / time,
+            lyapunov_second: f64::NAN,
+            divergence: f64::NAN,
             lyapunov_birkhoff,
+            lyapunov_interval: f64::from(settings.periods) * period_time,
             period: cycle
                 .filter(|cycle| {
                     class == Class::Regular && reached(cycle, lyapunov, lyapunov_error, settings, period_time)
@@ -244,25 +311,66 @@ impl Growth {
             x_max: end.x_max,
             chaotic_fraction: f64::from(u8::from(class == Class::Chaotic)),
             attractors: 1,
+            contact: end.contact,
             backend,
             initial_state: [parameters[Parameter::X0], parameters[Parameter::Y0]],
-        };
-        // written so that NaN fails
-        let resolved = !end.under_resolved
-            && measurement.divergence_defect().abs() <= DEFECT_BOUND * (1.0 + measurement.divergence.abs())
-            && lyapunov_error.is_finite()
-            && lyapunov_birkhoff.is_finite();
-        if resolved {
-            measurement
-        } else {
-            Measurement {
-                status: Status::UnderResolved,
-                class: None,
-                period: None,
-                chaotic_fraction: 0.0,
-                ..measurement
-            }
         }
+    }
+
+    /// The measurement of a motion with frictional heat or wear. One tangent vector is carried, and with wear the motion
+    /// is a transient: it has an exponent of finite time and no class.
+    fn rubbed_measurement(
+        &self,
+        parameters: &ParameterSet,
+        settings: &Settings,
+        end: &EndState,
+        backend: BackendKind,
+    ) -> Measurement {
+        let time = f64::from(settings.periods) * parameters.forcing_period();
+        let growth = self.total.growth[0];
+        if !parameters.wears() {
+            let measurement = self.lasting_measurement(parameters, settings, end, backend, growth / time);
+            return checked(measurement, !end.under_resolved);
+        }
+        let interval = end.contact.lost.unwrap_or(time);
+        let measurement = Measurement {
+            class: None,
+            period: None,
+            lyapunov_error: f64::NAN,
+            lyapunov_birkhoff: f64::NAN,
+            lyapunov_interval: interval,
+            chaotic_fraction: 0.0,
+            ..self.lasting_measurement(parameters, settings, end, backend, growth / interval)
+        };
+        Measurement {
+            status: if end.under_resolved || !measurement.lyapunov.is_finite() {
+                Status::UnderResolved
+            } else {
+                Status::Ok
+            },
+            ..measurement
+        }
+    }
+}
+
+/// The measurement of a lasting motion, as under-resolved if it is, or if a number of it is none.
+fn checked(measurement: Measurement, resolved: bool) -> Measurement {
+    let finite = [
+        measurement.lyapunov,
+        measurement.lyapunov_error,
+        measurement.lyapunov_birkhoff,
+    ]
+    .iter()
+    .all(|value| value.is_finite());
+    if resolved && finite {
+        return measurement;
+    }
+    Measurement {
+        status: Status::UnderResolved,
+        class: None,
+        period: None,
+        chaotic_fraction: 0.0,
+        ..measurement
     }
 }
 

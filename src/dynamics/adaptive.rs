@@ -10,24 +10,25 @@ use std::f64::consts::TAU;
 use super::decay;
 use super::dense::Cubic;
 use super::radau::{self, Drive, ERROR_WEIGHT, Heat, Memory, ModeStep, NODES, Perturbation, Start, Trial};
+use crate::experiment::Settings;
 use crate::lanes::{Mask, Real, Ticks};
 use crate::model::rubbing::{HeatModes, Rubbing};
+use crate::parameters::Parameter;
 
 /// Ticks of the clock in a forcing period.
 pub const TICKS: u32 = 1 << 28;
 
-/// Shortest step and longest, in ticks: the longest is a sixteenth of a period, which f32 holds exactly.
-pub const LONGEST_STEP: u32 = TICKS / 16;
+/// Shortest step, in ticks.
 pub const SHORTEST_STEP: u32 = 2;
 
 /// The first step of a run.
 pub const FIRST_STEP: u32 = TICKS / 4096;
 
+/// A contact whose thermal pressure reaches this has run away: expansion feeds the friction that heats.
+pub const PRESSURE_BOUND: f64 = 1e9;
+
 /// Passes that a period may take: beyond, it is under-resolved.
 pub const PASS_BUDGET: u32 = 20_000;
-
-/// Pressure beyond which the contact has run away: thermal expansion feeds the friction that heats.
-pub const PRESSURE_BOUND: f64 = 1e9;
 
 /// Near a boundary of the friction layer, in half-widths of the layer: how far beyond it a step is cut, how far beyond
 /// the cut aims, and from how far before it a lane that is on its way out is taken to have reached the next piece. Between
@@ -47,6 +48,17 @@ const REJECTED: f64 = 1.5;
 pub struct Control<R> {
     /// Error of a step: of v in units of 1 outside the friction layer and of its half-width inside, of p relative.
     pub tolerance: R,
+    /// Longest step, in ticks: a sixteenth of a period at most, which f32 holds exactly.
+    pub longest: R,
+}
+
+impl<R: Real> Control<R> {
+    pub fn new(settings: &Settings) -> Self {
+        Self {
+            tolerance: R::splat(settings.tolerance),
+            longest: R::splat((f64::from(TICKS) / f64::from(settings.steps_per_period())).floor()),
+        }
+    }
 }
 
 /// What one instance is, apart from its state.
@@ -62,20 +74,20 @@ pub struct System<R> {
     surface_temperature: R,
     /// Whether any lane's fit is a ramp.
     ramps: bool,
+    /// 0 in lanes that wear, else 1: there the tangent vector lives until contact is lost, and no longer.
+    lasts: R,
 }
 
 impl<R: Real> System<R> {
     /// The system with the parameters that `value` gives, and each lane's heat modes, all of the same number.
-    pub fn new<'a>(
-        value: impl Fn(crate::parameters::Parameter) -> R,
-        modes: impl Fn(usize) -> &'a HeatModes,
-    ) -> Self {
+    pub fn new<'a>(value: impl Fn(Parameter) -> R, modes: impl Fn(usize) -> &'a HeatModes) -> Self {
         let rubbing = Rubbing::new(&value);
-        let period = R::splat(TAU) / value(crate::parameters::Parameter::Omega0);
+        let period = R::splat(TAU) / value(Parameter::Omega0);
         let count = modes(0).rates.len();
         let each = |of: &dyn Fn(&HeatModes) -> f64| R::from_lanes(|lane| of(modes(lane)));
         Self {
             ramps: (0..R::LANES).any(|lane| rubbing.ramp_rate.lane(lane).is_finite()),
+            lasts: R::select(R::splat(0.0).less(rubbing.k_w), R::splat(0.0), R::splat(1.0)),
             rubbing,
             period,
             tick: period * R::splat(1.0 / f64::from(TICKS)),
@@ -125,7 +137,10 @@ pub struct Orbit<R: Real> {
     /// Acceleration as a quadratic in time around the last trial's start, and the time since then: guesses the next.
     guess: [R; 3],
     since: R,
-    /// Lanes that have been given up.
+    /// Least and greatest x since they were last set.
+    pub extremes: [R; 2],
+    /// 1 in lanes that have been given up: because they needed too many or too short steps, or because the pressure ran
+    /// away.
     pub under_resolved: R,
     pub runaway: R,
 }
@@ -168,13 +183,13 @@ impl<R: Real> Tangent<R> {
         }
     }
 
-    /// Divides the vector by its norm and returns the norm. It is that of (X, Y) and, where `with_heat` is 1 and not 0,
-    /// of the heat modes in units of the pressure that they make.
+    /// Divides the vector by its norm and returns the norm. It is that of (X, Y) where there is wear, and else that of
+    /// (X, Y) and the heat modes, these in units of the pressure that they make (none where they feed nothing back).
     #[inline(always)]
-    pub fn normalise(&mut self, system: &System<R>, with_heat: R) -> R {
+    pub fn normalise(&mut self, system: &System<R>) -> R {
         let mut square = self.at.x.mul_add(self.at.x, self.at.v * self.at.v);
         for (mode, weight) in self.modes.iter().zip(&system.weights) {
-            let pressure = with_heat * *mode * *weight;
+            let pressure = system.lasts * *mode * *weight;
             square = pressure.mul_add(pressure, square);
         }
         let smallest = R::splat(super::tangent::SMALLEST_SQUARE);
@@ -223,6 +238,7 @@ impl<R: Real> Orbit<R> {
             piece: zero,
             guess: [zero; 3],
             since: zero,
+            extremes: [x; 2],
             under_resolved: zero,
             runaway: zero,
         };
@@ -240,10 +256,23 @@ impl<R: Real> Orbit<R> {
     #[inline(always)]
     fn begin(&self, system: &System<R>) -> Start<R> {
         let speed = system.rubbing.zeta_k.mul_add(self.sin, system.rubbing.omega_k);
-        Start::new(&system.rubbing, self.x, self.v, speed, self.fit, self.heat, self.contact)
+        Start::new(
+            &system.rubbing,
+            self.x,
+            self.v,
+            speed,
+            self.fit,
+            self.heat,
+            self.contact,
+        )
     }
 
-    /// Angular speed of the bush.
+    /// u_w, between two forcing periods.
+    pub fn wear(&self, system: &System<R>) -> R {
+        system.fit(self.periods * system.period) - self.fit
+    }
+
+    /// Angular speed of the bush, between two forcing periods.
     #[inline(always)]
     pub fn y(&self, system: &System<R>) -> R {
         system.rubbing.zeta_k.mul_add(self.sin, system.rubbing.omega_k) - self.v
@@ -256,7 +285,10 @@ impl<R: Real> Orbit<R> {
         // the drive's phase is 0 exactly: rounding does not grow from period to period
         self.sin = zero;
         self.cos = one;
-        let alive = self.under_resolved.less(R::splat(0.5)).and(self.runaway.less(R::splat(0.5)));
+        let alive = self
+            .under_resolved
+            .less(R::splat(0.5))
+            .and(self.runaway.less(R::splat(0.5)));
         self.left = R::select(alive, R::splat(f64::from(TICKS)), zero).to_ticks();
     }
 
@@ -343,16 +375,19 @@ impl<R: Real> Orbit<R> {
         self.since = R::select(kept, h, zero);
 
         if let Some(tangent) = tangent {
-            self.carry(system, &start, &trial, &memory, tangent, scratch, h, kept);
+            let alive = peaks.lost[0].less(zero).or(zero.less(system.lasts));
+            self.carry(system, &start, &trial, &memory, tangent, scratch, h, kept.and(alive));
         }
-        self.keep(system, peaks, &start, &drive, &trial, &memory, scratch, h, elapsed, kept);
+        self.keep(
+            system, peaks, &start, &drive, &trial, &memory, scratch, h, elapsed, kept,
+        );
         self.left = self.left.minus(R::select(kept, ticks, zero).to_ticks());
 
         let moved = self.switch(rubbing, &start, &trial);
         // a step cut short by the end of the period says nothing of the next one
         let free = R::select(ticks.less(self.step), self.step, ticks * growth);
         let next = R::select(kept, R::select(zero.less(moved), ticks * moved, free), ticks * again);
-        let next = R::from_ticks(next.min(R::splat(f64::from(LONGEST_STEP))).max(zero).to_ticks());
+        let next = R::from_ticks(next.min(control.longest).max(zero).to_ticks());
         self.step = R::select(running, next, self.step);
         self.give_up(running);
     }
@@ -536,6 +571,11 @@ impl<R: Real> Orbit<R> {
         let (falloff, _) = Cubic::new(start.heat.falloff, falloff).maximum();
         let temperature = falloff * system.surface_temperature;
         peaks.temperature = choose(temperature.max(peaks.temperature), peaks.temperature);
+
+        let (highest, _) = Cubic::new(start.x, trial.x).maximum();
+        let (lowest, _) = Cubic::new(-start.x, trial.x.map(|x| -x)).maximum();
+        let [x_min, x_max] = self.extremes;
+        self.extremes = [choose(x_min.min(-lowest), x_min), choose(x_max.max(highest), x_max)];
 
         self.fit = choose(self.fit + drive.fit[2] - trial.worn(&system.rubbing, h), self.fit);
         self.x = choose(trial.x[2], self.x);

@@ -19,6 +19,16 @@ pub struct Decay<R> {
     pub moments: [R; 3],
 }
 
+impl<R: Real> Decay<R> {
+    /// Room for one.
+    pub fn empty() -> Self {
+        Self {
+            factor: R::splat(0.0),
+            moments: [R::splat(0.0); 3],
+        }
+    }
+}
+
 /// Whether the lane type is single precision, which needs fewer terms.
 #[inline(always)]
 fn single<R: Real>() -> bool {
@@ -115,9 +125,14 @@ mod tests {
 
     #[test]
     fn moments_are_the_integrals_they_stand_for() {
-        for z in [1e-12_f64, 1e-3, 0.1, 0.3, 0.4999, 0.5, 0.51, 0.7, 1.0, 2.0, 5.0, 20.0, 39.0, 300.0] {
+        for z in [
+            1e-12_f64, 1e-3, 0.1, 0.3, 0.4999, 0.5, 0.51, 0.7, 1.0, 2.0, 5.0, 20.0, 39.0, 300.0,
+        ] {
             let decay = decay(z, 1.0 / z);
-            assert!((decay.factor - (-z).exp()).abs() < 3e-14 * (-z).exp() + 1e-16, "factor at {z}");
+            assert!(
+                (decay.factor - (-z).exp()).abs() < 3e-14 * (-z).exp() + 1e-16,
+                "factor at {z}"
+            );
             for k in 0..3 {
                 let error = decay.moments[k] / moment(z, k as i32) - 1.0;
                 assert!(error.abs() < 3e-13, "moment {k} at {z}: {error:e}");
@@ -130,9 +145,15 @@ mod tests {
         for i in 1..2000 {
             let z = 0.01 * f64::from(i);
             let (double, single) = (decay(z, 1.0 / z), decay(z as f32, 1.0 / z as f32));
-            assert!((f64::from(single.factor) - double.factor).abs() < 1e-5 * double.factor + 1e-7, "{z}");
+            assert!(
+                (f64::from(single.factor) - double.factor).abs() < 1e-5 * double.factor + 1e-7,
+                "{z}"
+            );
             for k in 0..3 {
-                assert!((f64::from(single.moments[k]) / double.moments[k] - 1.0).abs() < 1e-4, "{z} {k}");
+                assert!(
+                    (f64::from(single.moments[k]) / double.moments[k] - 1.0).abs() < 1e-4,
+                    "{z} {k}"
+                );
             }
         }
     }

@@ -43,9 +43,7 @@ impl<R: Real> Cubic<R> {
     #[inline(always)]
     fn slope(&self, s: R) -> R {
         let [_, c1, c2, c3] = self.coefficients;
-        (R::splat(3.0) * c3)
-            .mul_add(s, R::splat(2.0) * c2)
-            .mul_add(s, c1)
+        (R::splat(3.0) * c3).mul_add(s, R::splat(2.0) * c2).mul_add(s, c1)
     }
 
     /// Where the cubic takes the value `level`, known to lie between s = `from` (before it) and `to` (beyond it):

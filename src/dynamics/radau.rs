@@ -327,15 +327,11 @@ pub fn solve<R: Real>(
         trial.by_v = product(&trial.response, &source);
         let mut by_v = trial.by_v;
         for i in 0..3 {
-            let (rubbed, stiffness) = (
-                rubbing.epsilon * trial.friction[i],
-                h * rubbing.stiffness(trial.x[i]),
-            );
+            let (rubbed, stiffness) = (rubbing.epsilon * trial.friction[i], h * rubbing.stiffness(trial.x[i]));
             for j in 0..3 {
                 by_v[i][j] = rubbed * by_v[i][j] - stiffness * constants[i][j];
             }
-            by_v[i][i] = by_v[i][i]
-                + (rubbing.epsilon * trial.pressure[i]).mul_add(trial.slope[i], rubbing.damping);
+            by_v[i][i] = by_v[i][i] + (rubbing.epsilon * trial.pressure[i]).mul_add(trial.slope[i], rubbing.damping);
         }
         let mut jacobian = product(&constants, &by_v);
         for i in 0..3 {

@@ -209,7 +209,8 @@ impl ReferenceOrbit {
     /// Gragg's modified midpoint rule without the smoothing step, which an even number of substeps does not need.
     fn midpoint(&self, tau: f64, h: f64, at: &Vector, substeps: u32) -> Vector {
         let part = h / f64::from(substeps);
-        let ahead = |from: &Vector, by: f64, slope: &Vector| -> Vector { std::array::from_fn(|i| from[i] + by * slope[i]) };
+        let ahead =
+            |from: &Vector, by: f64, slope: &Vector| -> Vector { std::array::from_fn(|i| from[i] + by * slope[i]) };
         let mut before = *at;
         let mut now = ahead(at, part, &self.slope(tau, at));
         for n in 1..substeps {

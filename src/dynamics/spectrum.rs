@@ -48,7 +48,7 @@ impl Orbit {
             omega_0: parameters[Parameter::Omega0],
             steps: match settings.scheme() {
                 Scheme::Rk4 => settings.steps_per_period(),
-                Scheme::Taylor => Scheme::Rk4.default_steps_per_period(),
+                Scheme::Taylor | Scheme::Radau => Scheme::Rk4.default_steps_per_period(),
             },
             renormalise_every: settings.renormalise_every,
         }

@@ -186,12 +186,7 @@ pub fn step<R: Real, const L: usize>(flow: &Flow<R>, state: &State<R>) -> (Step<
 
 /// As far as the series may be followed. Bounds that are no numbers bound nothing.
 #[inline(always)]
-fn trial_step<R: Real, const L: usize>(
-    flow: &Flow<R>,
-    piece: &Piece<R>,
-    series: &Series<R, L>,
-    left: R::Ticks,
-) -> R {
+fn trial_step<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series: &Series<R, L>, left: R::Ticks) -> R {
     let left = R::from_ticks(left) * R::splat(1.0 / f64::from(TICKS_PER_UNIT));
     let longest = flow.longest.min(left);
     let (v, slope) = (series.v[0], series.v[1]);
@@ -251,10 +246,7 @@ fn rotate<R: Real>(sin: R, cos: R, s: R) -> (R, R) {
         versine = versine.mul_add(square, R::splat(coefficient));
     }
     versine = versine * square;
-    (
-        sin + (cos * sine - sin * versine),
-        cos - (sin * sine + cos * versine),
-    )
+    (sin + (cos * sine - sin * versine), cos - (sin * sine + cos * versine))
 }
 
 /// Where x turns within the step, or else x at its end: an extremum of x that no step's end shows. `w` is the angular

@@ -69,7 +69,7 @@ pub trait Mask: Copy {
 }
 
 /// One whole number in 0..2^31 a lane: clocks, which must add up exactly in every number type.
-pub trait Ticks: Copy {
+pub trait Ticks: Copy + Send + Sync {
     fn splat(ticks: u32) -> Self;
     /// `self - other`, which must not be negative.
     fn minus(self, other: Self) -> Self;

@@ -90,7 +90,11 @@ impl<R: Real> Friction<R> {
     #[inline(always)]
     pub fn piece_index(&self, v: R) -> R {
         let at_least = |bound: f64, index: f64, below: R| {
-            R::select((v * self.inverse_epsilon_0).less(R::splat(bound)), below, R::splat(index))
+            R::select(
+                (v * self.inverse_epsilon_0).less(R::splat(bound)),
+                below,
+                R::splat(index),
+            )
         };
         at_least(1.0, 3.0, at_least(0.0, 2.0, at_least(-1.0, 1.0, R::splat(0.0))))
     }

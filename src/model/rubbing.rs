@@ -52,13 +52,7 @@ impl<R: Real> Rubbing<R> {
             two_gamma: R::splat(2.0) * value(Gamma),
             ramp_rate: value(RampRate),
             epsilon_0: value(Epsilon0),
-            friction: Friction::new(
-                R::splat(1.0),
-                value(F0),
-                value(Alpha),
-                value(Beta),
-                value(Epsilon0),
-            ),
+            friction: Friction::new(R::splat(1.0), value(F0), value(Alpha), value(Beta), value(Epsilon0)),
         }
     }
 

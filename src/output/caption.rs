@@ -30,11 +30,14 @@ fn numerics(map: &ParameterMap) -> String {
     let scheme = match settings.scheme() {
         Scheme::Taylor => "Taylor series of order 8, steps ending at the friction layer’s boundaries",
         Scheme::Rk4 => "Runge–Kutta of order 4",
+        Scheme::Radau => "Radau IIA of order 5, exact heat modes",
     };
     let (x, y) = (map.x_axis().count, map.y_axis().count);
     let mut text = format!(
         "Map of {x} × {y} points. {scheme}, {} steps per forcing period, transient of {} periods, {} measured periods",
-        settings.steps_per_period(), settings.transient_periods, settings.periods
+        settings.steps_per_period(),
+        settings.transient_periods,
+        settings.periods
     );
     if settings.initial_states > 1 {
         text += &format!(

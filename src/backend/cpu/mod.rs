@@ -4,6 +4,7 @@
 //! scheme's, written once over the lane type.
 
 mod instructions;
+mod radau;
 mod record;
 mod rk4;
 mod taylor;
@@ -13,6 +14,7 @@ use std::marker::PhantomData;
 use rayon::prelude::*;
 
 pub use self::instructions::InstructionSet;
+use self::radau::RadauBlock;
 use self::rk4::Rk4Block;
 use self::taylor::TaylorBlock;
 use super::{Backend, BackendError, EndState, Slice, Sums};
@@ -30,6 +32,8 @@ const RK4_IN_FLIGHT: usize = 2;
 const RK4_GROUPS: usize = 3;
 /// Vectors in flight of the Taylor scheme.
 const TAYLOR_IN_FLIGHT: usize = 1;
+/// Vectors in flight of the Radau scheme.
+const RADAU_IN_FLIGHT: usize = 1;
 /// Numbers that stand for a vector of the portable set.
 const PORTABLE: usize = 2;
 
@@ -134,7 +138,12 @@ fn batch<I: Instructions, V: Real + Send + Sync + 'static>(
     instances: &[ParameterSet],
 ) -> Box<dyn Batch> {
     match settings.scheme() {
-        Scheme::Taylor => Box::new(Blocks::<I, TaylorBlock<Wide<V, TAYLOR_IN_FLIGHT>>>::new(settings, instances)),
+        Scheme::Taylor => Box::new(Blocks::<I, TaylorBlock<Wide<V, TAYLOR_IN_FLIGHT>>>::new(
+            settings, instances,
+        )),
+        Scheme::Radau => Box::new(Blocks::<I, RadauBlock<Wide<V, RADAU_IN_FLIGHT>>>::new(
+            settings, instances,
+        )),
         Scheme::Rk4 => Box::new(Blocks::<I, Rk4Block<Wide<V, RK4_IN_FLIGHT>, RK4_GROUPS>>::new(
             settings, instances,
         )),

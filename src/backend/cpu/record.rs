@@ -8,7 +8,7 @@ use crate::dynamics::stroboscope::{self, Stroboscope};
 use crate::dynamics::tangent::Growth;
 use crate::experiment::Settings;
 use crate::lanes::{Mask, Real};
-use crate::measurement::RUNAWAY_BOUND;
+use crate::measurement::{Contact, RUNAWAY_BOUND};
 
 /// What all instances of a batch share of a measurement.
 pub(super) struct Measuring {
@@ -97,12 +97,17 @@ impl<R: Real> Record<R> {
         if inside.all() {
             return false;
         }
+        self.note_runaway_lanes(period, |lane| !inside.lane(lane));
+        true
+    }
+
+    /// Notes the lanes for which `ran_away` is true, in `period`, counted from 1; the first time counts.
+    pub fn note_runaway_lanes(&mut self, period: u32, ran_away: impl Fn(usize) -> bool) {
         for (lane, runaway) in self.runaway_periods.iter_mut().enumerate() {
-            if !inside.lane(lane) && runaway.is_none() {
+            if ran_away(lane) && runaway.is_none() {
                 *runaway = Some(period);
             }
         }
-        true
     }
 
     /// Notes the lanes for which `gave_up` is true.
@@ -136,6 +141,7 @@ impl<R: Real> Record<R> {
             candidates: self.stroboscopes[lane].candidates(),
             runaway_period: self.runaway_periods[lane],
             under_resolved: self.under_resolved[lane],
+            contact: Contact::CONSTANT,
         }
     }
 }

@@ -12,6 +12,7 @@ use crate::dynamics::drive::DriveTable;
 use crate::dynamics::stroboscope::{self, MAX_PERIOD};
 use crate::dynamics::tangent::Bases;
 use crate::experiment::Settings;
+use crate::measurement::Contact;
 use crate::parameters::{Parameter, ParameterSet};
 
 /// The bindings of group 0, as numbered in the shader.
@@ -152,6 +153,7 @@ impl From<Orbit> for EndState {
             candidates: orbit.candidates,
             runaway_period: (orbit.runaway_period > 0).then_some(orbit.runaway_period),
             under_resolved: orbit.under_resolved > 0,
+            contact: Contact::CONSTANT,
         }
     }
 }

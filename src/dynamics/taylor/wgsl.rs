@@ -8,9 +8,9 @@ use std::fmt::Write as _;
 use std::ops::{Add, Mul, Neg, Sub};
 
 use super::number::Number;
-use crate::dynamics::tangent::Vector;
 use super::series::{Local, Series, UNITS_PER_PERIOD};
 use super::{AT_BOUNDARY, BEYOND, COEFFICIENTS, FREE_STEP, LAYER_STEP, LEAST_STEP, MAX_PASSES, REACH, TICKS_PER_UNIT};
+use crate::dynamics::tangent::Vector;
 
 /// The text of one function's body: every operation adds a line.
 #[derive(Default)]

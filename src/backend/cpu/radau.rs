@@ -1,0 +1,166 @@
+//! A block of instances with frictional heat and wear that one thread carries on by the Radau scheme.
+//!
+//! Owns the loop over forcing periods and what is made of each; the steps within are [`adaptive`]'s. Compiled for each
+//! instruction set by its caller.
+
+use super::super::{EndState, Slice, Stage, Sums};
+use super::Block;
+use super::record::{Measuring, Record};
+use crate::dynamics::adaptive::{Control, Orbit, Peaks, Scratch, System, Tangent};
+use crate::dynamics::radau::ModeStep;
+use crate::dynamics::tangent::Growth;
+use crate::experiment::Settings;
+use crate::lanes::{Mask, Real};
+use crate::measurement::Contact;
+use crate::model::rubbing::HeatModes;
+use crate::model::thermal_modes::ThermalModes;
+use crate::parameters::{Parameter, ParameterSet};
+
+/// As many instances as the lane type holds.
+pub(super) struct RadauBlock<R: Real> {
+    system: System<R>,
+    orbit: Orbit<R>,
+    tangent: Tangent<R>,
+    peaks: Peaks<R>,
+    scratch: Scratch<R>,
+    record: Record<R>,
+    forcing_periods: Vec<f64>,
+}
+
+/// What all instances of a batch share.
+pub(super) struct Run<R> {
+    measuring: Measuring,
+    control: Control<R>,
+}
+
+impl<R: Real + Send + Sync> Block for RadauBlock<R> {
+    type Run = Run<R>;
+    const INSTANCES: usize = R::LANES;
+
+    fn run(settings: &Settings) -> Run<R> {
+        Run {
+            measuring: Measuring::new(settings),
+            control: Control::new(settings),
+        }
+    }
+
+    fn new(settings: &Settings, instances: &[ParameterSet]) -> Self {
+        let instance = |lane: usize| &instances[lane.min(instances.len() - 1)];
+        let lanes = |parameter| R::from_lanes(|lane| instance(lane)[parameter]);
+        let modes = heat_modes(instances, settings.modes as usize);
+        let system = System::new(lanes, |lane| &modes[lane.min(modes.len() - 1)]);
+        let orbit = Orbit::start(&system, lanes(Parameter::X0), lanes(Parameter::Y0));
+        let count = settings.modes as usize + 1;
+        Self {
+            tangent: Tangent::start(count),
+            peaks: Peaks::start(&orbit),
+            scratch: vec![ModeStep::empty(); count],
+            record: Record::new(),
+            forcing_periods: (0..R::LANES).map(|lane| instance(lane).forcing_period()).collect(),
+            system,
+            orbit,
+        }
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, run: &Run<R>, slice: &Slice) {
+        for n in 0..slice.periods {
+            match slice.stage {
+                Stage::Transient => self.period(run),
+                Stage::Align => {
+                    self.period_with_tangent(run);
+                }
+                Stage::Measure => self.measured_period(run, slice.first + n),
+            }
+            let period = slice.elapsed + n + 1;
+            self.record
+                .note_runaways(self.orbit.x, self.orbit.y(&self.system), period);
+            self.note_given_up(period);
+        }
+    }
+
+    fn sums(&self, index: usize) -> Sums {
+        self.record.sums(index)
+    }
+
+    fn clear_sums(&mut self) {
+        self.record.clear_sums();
+    }
+
+    fn end_state(&self, index: usize) -> EndState {
+        let tau = |at: [R; 2]| at[0].lane(index) * self.forcing_periods[index] + at[1].lane(index);
+        let lost = self.peaks.lost;
+        let y = self.orbit.y(&self.system).lane(index);
+        EndState {
+            contact: Contact {
+                lost: (lost[0].lane(index) >= 0.0).then(|| tau(lost)),
+                peak_pressure: self.peaks.pressure.lane(index),
+                peak_pressure_time: tau(self.peaks.pressure_time),
+                final_wear: self.orbit.wear(&self.system).lane(index),
+                peak_temperature: self.peaks.temperature.lane(index),
+            },
+            ..self.record.end_state(index, self.orbit.x.lane(index), y)
+        }
+    }
+}
+
+impl<R: Real> RadauBlock<R> {
+    #[inline(always)]
+    fn period(&mut self, run: &Run<R>) {
+        self.orbit
+            .period(&self.system, &run.control, &mut self.peaks, None, &mut self.scratch);
+    }
+
+    /// One forcing period with a tangent vector; returns the logarithm of the vector's growth.
+    #[inline(always)]
+    fn period_with_tangent(&mut self, run: &Run<R>) -> R {
+        let tangent = Some(&mut self.tangent);
+        self.orbit
+            .period(&self.system, &run.control, &mut self.peaks, tangent, &mut self.scratch);
+        self.tangent.normalise(&self.system).ln()
+    }
+
+    #[inline(always)]
+    fn measured_period(&mut self, run: &Run<R>, index: u32) {
+        if index == 0 {
+            self.orbit.extremes = [self.orbit.x; 2];
+        }
+        let zero = R::splat(0.0);
+        let growth = Growth {
+            first: self.period_with_tangent(run),
+            second: zero,
+        };
+        let (x, y) = (self.orbit.x, self.orbit.y(&self.system));
+        self.record.add(&run.measuring, index, growth, zero, x, y);
+        [self.record.x_min, self.record.x_max] = self.orbit.extremes;
+    }
+
+    /// Notes lanes that the scheme gave up in `period`, counted from 1.
+    #[inline(always)]
+    fn note_given_up(&mut self, period: u32) {
+        let (under_resolved, runaway) = (self.orbit.under_resolved, self.orbit.runaway);
+        if (under_resolved + runaway).less(R::splat(0.5)).all() {
+            return;
+        }
+        self.record.note_under_resolved(|lane| under_resolved.lane(lane) > 0.0);
+        self.record.note_runaway_lanes(period, |lane| runaway.lane(lane) > 0.0);
+    }
+}
+
+/// Each instance's heat modes; a shaft's spectrum is found once for neighbours of the same Biot number.
+fn heat_modes(instances: &[ParameterSet], count: usize) -> Vec<HeatModes> {
+    let mut last: Option<(f64, ThermalModes)> = None;
+    instances
+        .iter()
+        .map(|instance| {
+            let biot = instance[Parameter::Biot];
+            let modes = match last.take() {
+                Some((known, modes)) if known == biot => modes,
+                _ => ThermalModes::new(biot, count),
+            };
+            let heat = HeatModes::new(instance, &modes);
+            last = Some((biot, modes));
+            heat
+        })
+        .collect()
+}
