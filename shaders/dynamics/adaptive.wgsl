@@ -4,9 +4,8 @@
 // Ticks of the clock in a forcing period.
 override TICKS: u32;
 
-// Shortest step and longest, in ticks.
+// Shortest step, in ticks.
 override SHORTEST_STEP: f32;
-override LONGEST_STEP: f32;
 
 // Pressure beyond which the contact has run away.
 override PRESSURE_BOUND: f32;
@@ -39,6 +38,8 @@ struct System {
     period: f32,
     tick: f32,
     surface_temperature: f32,
+    // Where there is wear, the tangent vector lives until contact is lost, and no longer.
+    lasts: bool,
 }
 
 // Error of a trial in tolerances, and the factor by which the next step is longer.
@@ -66,6 +67,7 @@ fn system_new(value: Parameters, instance: u32) -> System {
         value.period,
         value.period * (1.0 / f32(TICKS)),
         value.surface_temperature,
+        !(value.k_w > 0.0),
     );
 }
 
@@ -78,9 +80,10 @@ fn fit(system: System, time: f32) -> f32 {
     return z * decay(z, 1.0 / z).moments[0];
 }
 
-// Divides the tangent vector by its norm and returns the norm. It is that of (X, Y) and, where `with_heat` is 1 and not
-// 0, of the heat modes in units of the pressure that they make.
-fn normalise(orbit: ptr<function, Orbit>, system: System, with_heat: f32) -> f32 {
+// Divides the tangent vector by its norm and returns the norm. It is that of (X, Y) where there is wear, and else that of
+// (X, Y) and the heat modes, these in units of the pressure that they make (none where they feed nothing back).
+fn normalise(orbit: ptr<function, Orbit>, system: System) -> f32 {
+    let with_heat = select(0.0, 1.0, system.lasts);
     var square = fma((*orbit).tangent_x, (*orbit).tangent_x, (*orbit).tangent_v * (*orbit).tangent_v);
     for (var m = 0u; m < HEAT_MODES; m++) {
         let slot = m * run.instances + system.instance;
@@ -115,7 +118,7 @@ fn begin(orbit: ptr<function, Orbit>, system: System) -> Start {
     return start_new(system.rubbing, (*orbit).x, (*orbit).v, speed, (*orbit).fit, heat, (*orbit).contact);
 }
 
-// Angular speed of the bush.
+// Angular speed of the bush, between two forcing periods.
 fn orbit_y(orbit: ptr<function, Orbit>, system: System) -> f32 {
     return fma(system.rubbing.zeta_k, (*orbit).sine, system.rubbing.omega_k) - (*orbit).v;
 }
@@ -165,7 +168,7 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
     }
     if (kept) {
         (*orbit).since = h;
-        if (carries) {
+        if (carries && ((*orbit).lost_periods < 0.0 || system.lasts)) {
             carry(orbit, system, start, trial, memory, &steps, h);
         }
         keep(orbit, system, start, drive, trial, memory, &steps, h, elapsed);
@@ -178,7 +181,7 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
         let free = select(length * error.growth, (*orbit).step, length < (*orbit).step);
         next = select(free, length * moved, 0.0 < moved);
     }
-    (*orbit).step = f32(u32(clamp(next, 0.0, LONGEST_STEP)));
+    (*orbit).step = f32(u32(clamp(next, 0.0, run.longest)));
     give_up(orbit);
 }
 
@@ -329,6 +332,11 @@ fn keep(
     let falloff = trial_falloff(trial, system.rubbing, start, h, heat);
     let temperature = maximum(cubic_new(start.heat.falloff, falloff)).value * system.surface_temperature;
     (*orbit).peak_temperature = max(temperature, (*orbit).peak_temperature);
+
+    let highest = maximum(cubic_new(start.x, trial.x)).value;
+    let lowest = maximum(cubic_new(-start.x, -trial.x)).value;
+    (*orbit).x_min = min((*orbit).x_min, -lowest);
+    (*orbit).x_max = max((*orbit).x_max, highest);
 
     (*orbit).fit = (*orbit).fit + drive.fit[2] - worn(trial, system.rubbing, h);
     (*orbit).x = trial.x[2];

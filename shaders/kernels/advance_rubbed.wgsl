@@ -19,50 +19,43 @@ fn advance_rubbed(@builtin(global_invocation_id) thread: vec3<u32>) {
         return;
     }
     let system = system_new(parameters[instance], instance);
-    // where there is wear, the run is transient by nature: the growth is that of the motion until contact is lost
-    let wears = system.rubbing.k_w > 0.0;
-    let with_heat = select(1.0, 0.0, wears);
-    var carries = CARRIES_TANGENT && !(wears && orbit.lost_periods >= 0.0);
     var sums = totals[instance];
     if (span.measured != 0u && span.first == 0u) {
         orbit.x_min = orbit.x;
         orbit.x_max = orbit.x;
     }
-    var growth = 0.0;
     var passes = 0u;
     var period = 0u;
     // one flat loop: threads whose periods end at different passes do not wait for each other
     begin_period(&orbit);
     loop {
-        orbit_pass(&orbit, system, carries);
+        orbit_pass(&orbit, system, CARRIES_TANGENT);
         passes++;
-        orbit.x_min = min(orbit.x_min, orbit.x);
-        orbit.x_max = max(orbit.x_max, orbit.x);
-        if (carries && wears && orbit.lost_periods >= 0.0) {
-            growth += log(normalise(&orbit, system, with_heat));
-            carries = false;
-        }
         if (orbit.left != 0u) {
             if (passes < PASS_BUDGET) {
                 continue;
             }
             orbit.under_resolved = 1u;
         }
+        // the drive's phase is 0
+        let y = system.rubbing.omega_k - orbit.v;
+        if (has_run_away(orbit.x, y)) {
+            orbit.runaway = 1u;
+        }
         if ((orbit.under_resolved | orbit.runaway) != 0u) {
             orbit.given_up_period = span.elapsed + period + 1u;
             break;
         }
-        if (carries) {
-            growth += log(normalise(&orbit, system, with_heat));
-        }
         orbit.periods += 1.0;
+        var growth = 0.0;
+        if (CARRIES_TANGENT) {
+            growth = log(normalise(&orbit, system));
+        }
         if (span.measured != 0u) {
             let index = span.first + period;
             sums.growth += growth;
             sums.birkhoff = fma(growth, birkhoff_weights[index], sums.birkhoff);
             if (index >= run.unrecorded) {
-                // the drive's phase is 0
-                let y = system.rubbing.omega_k - orbit.v;
                 orbit.candidates =
                     record(instance, index - run.unrecorded, orbit.x, y, run.period_tolerance, orbit.candidates);
             }
@@ -71,7 +64,6 @@ fn advance_rubbed(@builtin(global_invocation_id) thread: vec3<u32>) {
         if (period == span.periods) {
             break;
         }
-        growth = 0.0;
         passes = 0u;
         begin_period(&orbit);
     }

@@ -12,6 +12,8 @@ struct Run {
     period_tolerance: f32,
     // Error of a step: of v in units of 1 outside the friction layer and of its half-width inside, of p relative.
     tolerance: f32,
+    // Longest step, in ticks.
+    longest: f32,
 }
 
 // The part of a slice that one dispatch carries out.
@@ -95,6 +97,7 @@ struct Orbit {
     // When contact was first lost; periods are negative while it has not been.
     lost_periods: f32,
     lost_time: f32,
+    // Least and greatest x since they were last set.
     x_min: f32,
     x_max: f32,
     // Bit k-1 is set while all stroboscopic states k periods apart agree.
