@@ -30,7 +30,9 @@ fn main() {
             gpu.advance(&Slice { stage, first: 0, periods: 1, elapsed: 0 }).unwrap();
             gpu.load(&settings, &instances).unwrap();
             let at = Instant::now();
+            let c = cpu_time();
             gpu.advance(&Slice { stage, first: 0, periods, elapsed: 0 }).unwrap();
+            println!("cpu {:.0}", (cpu_time() - c) * 1e9 / count as f64 / f64::from(periods));
             println!("{name}: {:.0} ns an instance-period", at.elapsed().as_nanos() as f64 / count as f64 / f64::from(periods));
         }
         return;
@@ -55,4 +57,10 @@ fn main() {
         }
         println!("{:?}", at.elapsed());
     }
+}
+
+fn cpu_time() -> f64 {
+    let s = std::fs::read_to_string("/proc/self/stat").unwrap();
+    let f: Vec<&str> = s.rsplit(')').next().unwrap().split_whitespace().collect();
+    (f[11].parse::<f64>().unwrap() + f[12].parse::<f64>().unwrap()) / 100.0
 }

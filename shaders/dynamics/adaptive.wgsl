@@ -32,7 +32,6 @@ const FAR = 1e30;
 
 // What one instance is, apart from its state and its heat modes.
 struct System {
-    instance: u32,
     rubbing: Rubbing,
     // Forcing period in units of tau, and ticks to tau.
     period: f32,
@@ -60,9 +59,8 @@ struct Rotation {
     versine: f32,
 }
 
-fn system_new(value: Parameters, instance: u32) -> System {
+fn system_new(value: Parameters) -> System {
     return System(
-        instance,
         rubbing_new(value),
         value.period,
         value.period * (1.0 / f32(TICKS)),
@@ -86,8 +84,7 @@ fn normalise(orbit: ptr<function, Orbit>, system: System) -> f32 {
     let with_heat = select(0.0, 1.0, system.lasts);
     var square = fma((*orbit).tangent_x, (*orbit).tangent_x, (*orbit).tangent_v * (*orbit).tangent_v);
     for (var m = 0u; m < HEAT_MODES; m++) {
-        let slot = m * run.instances + system.instance;
-        let pressure = with_heat * tangent_mode(slot) * heat_modes[slot].weight;
+        let pressure = with_heat * tangent_modes[m] * weights[m];
         square = fma(pressure, pressure, square);
     }
     let norm = sqrt(select(square, SMALLEST_SQUARE, square < SMALLEST_SQUARE));
@@ -99,8 +96,7 @@ fn normalise(orbit: ptr<function, Orbit>, system: System) -> f32 {
     (*orbit).tangent_falloff *= inverse;
     (*orbit).tangent_flux *= inverse;
     for (var m = 0u; m < HEAT_MODES; m++) {
-        let slot = m * run.instances + system.instance;
-        set_tangent_mode(slot, tangent_mode(slot) * inverse);
+        tangent_modes[m] *= inverse;
     }
     return norm;
 }
@@ -141,8 +137,7 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
     let elapsed = f32(TICKS - (*orbit).left) * system.tick;
     let start = begin(orbit, system);
     let drive = orbit_drive(orbit, system, length, h, elapsed);
-    var steps: array<Decay, HEAT_MODES>;
-    let memory = memory_new(h, system.instance, &steps);
+    let memory = memory_new(h);
     let time = vec3(NODE_0, NODE_1, 1.0) * h + (*orbit).since;
     let guess = fma(fma(vec3((*orbit).guess_2), time, vec3((*orbit).guess_1)), time, vec3((*orbit).guess_0));
     let trial = solve(rubbing, start, drive, memory, guess);
@@ -169,9 +164,9 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
     if (kept) {
         (*orbit).since = h;
         if (carries && ((*orbit).lost_periods < 0.0 || system.lasts)) {
-            carry(orbit, system, start, trial, memory, &steps, h);
+            carry(orbit, system, start, trial, memory, h);
         }
-        keep(orbit, system, start, drive, trial, memory, &steps, h, elapsed);
+        keep(orbit, system, start, drive, trial, memory, h, elapsed);
         (*orbit).left -= ticks;
     }
 
@@ -271,15 +266,13 @@ fn carry(
     start: Start,
     trial: Trial,
     memory: Memory,
-    steps: ptr<function, array<Decay, HEAT_MODES>>,
     h: f32,
 ) {
     var free: Heat;
     for (var m = 0u; m < HEAT_MODES; m++) {
-        let slot = m * run.instances + system.instance;
-        let left = heat_modes[slot].weight * (*steps)[m].factor * tangent_mode(slot);
+        let left = weights[m] * steps[m].factor * tangent_modes[m];
         free.pressure += left;
-        free.falloff = fma(heat_modes[slot].rate, left, free.falloff);
+        free.falloff = fma(rates[m], left, free.falloff);
     }
     let at = Perturbation(
         (*orbit).tangent_x,
@@ -292,8 +285,7 @@ fn carry(
     let after = perturbed(trial, system.rubbing, start, h, perturbed_memory, at);
     let flux = parabola(after.flux) * h;
     for (var m = 0u; m < HEAT_MODES; m++) {
-        let slot = m * run.instances + system.instance;
-        set_tangent_mode(slot, advanced((*steps)[m], tangent_mode(slot), flux));
+        tangent_modes[m] = advanced(steps[m], tangent_modes[m], flux);
     }
     (*orbit).tangent_x = after.end.x;
     (*orbit).tangent_v = after.end.v;
@@ -311,7 +303,6 @@ fn keep(
     drive: Drive,
     trial: Trial,
     memory: Memory,
-    steps: ptr<function, array<Decay, HEAT_MODES>>,
     h: f32,
     elapsed: f32,
 ) {
@@ -319,8 +310,7 @@ fn keep(
     let heat = memory_end(memory, coefficients);
     let flux = coefficients * h;
     for (var m = 0u; m < HEAT_MODES; m++) {
-        let slot = m * run.instances + system.instance;
-        modes[slot] = advanced((*steps)[m], modes[slot], flux);
+        modes[m] = advanced(steps[m], modes[m], flux);
     }
 
     let pressure = maximum(cubic_new(start.pressure, trial.pressure));

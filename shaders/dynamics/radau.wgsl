@@ -152,22 +152,19 @@ fn integral(values: vec3<f32>) -> f32 {
     return dot(vec3(INTEGRALS[0][2], INTEGRALS[1][2], INTEGRALS[2][2]), values);
 }
 
-// Sums over the modes of an instance for a step of length `h`; keeps each mode's own numbers in `steps`.
-fn memory_new(h: f32, instance: u32, steps: ptr<function, array<Decay, HEAT_MODES>>) -> Memory {
+// Sums over the modes for a step of length `h`; keeps each mode's own numbers in `steps`.
+fn memory_new(h: f32) -> Memory {
     let inverse_h = 1.0 / h;
     var memory: Memory;
     for (var m = 0u; m < HEAT_MODES; m++) {
-        let slot = m * run.instances + instance;
-        let rate = heat_modes[slot].rate;
-        let weight = heat_modes[slot].weight;
-        let step = decay(rate * h, inverse_h / rate);
-        let left = step.factor * modes[slot];
-        let faster = weight * rate;
-        memory.free.pressure = fma(weight, left, memory.free.pressure);
+        let step = decay(rates[m] * h, inverse_rates[m] * inverse_h);
+        let left = step.factor * modes[m];
+        let faster = weights[m] * rates[m];
+        memory.free.pressure = fma(weights[m], left, memory.free.pressure);
         memory.free.falloff = fma(faster, left, memory.free.falloff);
-        memory.pressure = fma(vec3(weight), step.moments, memory.pressure);
+        memory.pressure = fma(vec3(weights[m]), step.moments, memory.pressure);
         memory.falloff = fma(vec3(faster), step.moments, memory.falloff);
-        (*steps)[m] = step;
+        steps[m] = step;
     }
     return Memory(memory.free, memory.pressure * h, memory.falloff * h);
 }

@@ -1,9 +1,6 @@
 // Carries the rubbed bush on by some forcing periods, one thread an instance, with a tangent vector or without; where
 // they are measured, sums up growth and compares stroboscopic states.
 
-// Whether a tangent vector is carried along.
-override CARRIES_TANGENT: bool;
-
 // Passes that a period may take: beyond, it is under-resolved.
 override PASS_BUDGET: u32;
 
@@ -18,7 +15,8 @@ fn advance_rubbed(@builtin(global_invocation_id) thread: vec3<u32>) {
     if (orbit.given_up_period != 0u) {
         return;
     }
-    let system = system_new(parameters[instance], instance);
+    let system = system_new(parameters[instance]);
+    load_modes(instance);
     var sums = totals[instance];
     if (span.measured != 0u && span.first == 0u) {
         orbit.x_min = orbit.x;
@@ -67,6 +65,7 @@ fn advance_rubbed(@builtin(global_invocation_id) thread: vec3<u32>) {
         passes = 0u;
         begin_period(&orbit);
     }
+    store_modes(instance);
     orbits[instance] = orbit;
     totals[instance] = sums;
 }

@@ -121,15 +121,7 @@ struct Totals {
 // These are laid out [slot][instance], so that neighbouring threads touch neighbouring memory: the heat modes, the
 // lumped one last; their state, and after it that of their tangents; the last stroboscopic states.
 @group(0) @binding(4) var<storage, read> heat_modes: array<HeatMode>;
-@group(0) @binding(5) var<storage, read_write> modes: array<f32>;
+@group(0) @binding(5) var<storage, read_write> mode_states: array<f32>;
 @group(0) @binding(6) var<storage, read_write> last_states: array<vec2<f32>>;
 @group(0) @binding(7) var<storage, read_write> orbits: array<Orbit>;
 @group(0) @binding(8) var<storage, read_write> totals: array<Totals>;
-
-fn tangent_mode(slot: u32) -> f32 {
-    return modes[HEAT_MODES * run.instances + slot];
-}
-
-fn set_tangent_mode(slot: u32, value: f32) {
-    modes[HEAT_MODES * run.instances + slot] = value;
-}
