@@ -7,7 +7,6 @@
 
 use std::f64::consts::TAU;
 
-use super::decay;
 use super::dense::Cubic;
 use super::radau::{self, Drive, ERROR_WEIGHT, Heat, Memory, ModeStep, NODES, Perturbation, Start, Trial};
 use crate::experiment::Settings;
@@ -101,14 +100,14 @@ impl<R: Real> System<R> {
     /// h_U at a time: 1 - exp(-delta tau^2), to rounding also where it is small.
     #[inline(always)]
     fn fit(&self, time: R) -> R {
-        let one = R::splat(1.0);
         if !self.ramps {
-            return one;
+            return R::splat(1.0);
         }
-        let infinite = R::splat(f64::from(f32::MAX)).less(self.rubbing.ramp_rate);
-        let rate = R::select(infinite, one, self.rubbing.ramp_rate);
-        let z = (rate * time * time).max(R::splat(1e-30));
-        R::select(infinite, one, z * decay::decay(z, one / z).moments[0])
+        // ramps are rare: lane by lane is fast enough
+        R::from_lanes(|lane| {
+            let time = time.lane(lane);
+            -(-self.rubbing.ramp_rate.lane(lane) * time * time.max(f64::MIN_POSITIVE)).exp_m1()
+        })
     }
 }
 

@@ -40,11 +40,11 @@ pub const MAX_PASSES: u32 = 4096;
 
 /// In the layer a step reaches at most this far beyond the boundary ahead, by the slope of v: a polynomial taken much
 /// further beyond its piece runs away.
-pub const REACH: f64 = 1.3;
+pub const REACH: f64 = 1.1;
 
 /// In the layer a step is at most this over the layer's greatest rate. Without it the motion comes out smooth, plausible
 /// and wrong where the bush sticks.
-pub const LAYER_STEP: f64 = 0.65;
+pub const LAYER_STEP: f64 = 0.35;
 
 /// Outside, a step is at most this over the rates met at its start.
 pub const FREE_STEP: f64 = 2.0;
@@ -61,7 +61,7 @@ pub const AT_BOUNDARY: f64 = 1e-4;
 pub struct Flow<R> {
     linear: R,
     minus_b: R,
-    damping: R,
+    minus_damping: R,
     omega_k: R,
     zeta_k: R,
     friction: Friction<R>,
@@ -99,7 +99,7 @@ impl<R: Real> Flow<R> {
         Self {
             linear,
             minus_b: -(linear * value(B)),
-            damping: unit * epsilon * value(H1),
+            minus_damping: -(unit * epsilon * value(H1)),
             omega_k: unit * value(OmegaK),
             zeta_k: unit * value(ZetaK),
             friction,
@@ -155,7 +155,7 @@ pub fn step<R: Real, const L: usize>(flow: &Flow<R>, state: &State<R>) -> (Step<
     let series = Series::new(&Local {
         linear: flow.linear,
         minus_b: flow.minus_b,
-        damping: flow.damping,
+        minus_damping: flow.minus_damping,
         a_0: piece.a_0,
         a_1: piece.a_1,
         a_2: piece.a_2,
@@ -194,17 +194,19 @@ fn trial_step<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series:
     let distance = R::select(falls, v - piece.lower, piece.upper - v);
     let has_just_come = distance.less(R::splat(AT_BOUNDARY) * flow.epsilon_0);
     let distance = R::select(has_just_come, flow.epsilon_0, distance);
-    let in_layer = (R::splat(REACH) * distance / slope.abs()).min(flow.longest_in_layer);
-    let free = R::splat(FREE_STEP) / (series.by_w[0].abs() + series.by_x[0].abs().sqrt());
     let is_in_layer = (piece.upper - piece.lower).less(R::splat(1.5) * flow.epsilon_0);
-    R::select(is_in_layer, in_layer, free).min(longest)
+    let rates = series.by_w[0].abs() + series.by_x[0].abs().sqrt();
+    let way = R::select(is_in_layer, R::splat(REACH) * distance, R::splat(FREE_STEP));
+    let speed = R::select(is_in_layer, slope.abs(), rates);
+    let longest = longest.min(R::select(is_in_layer, flow.longest_in_layer, longest));
+    (way / speed).min(longest)
 }
 
 /// Where v leaves the piece on the way to the trial step's end, and the change of the piece's index there; the trial
 /// step itself and 0 if it does not.
 ///
-/// v is looked at halfway and at the end. From the first of the two that lies outside, the secant and one step of
-/// Newton's, both kept within the half step, lead to the boundary.
+/// v is looked at halfway and at the end. In the half step before the first of the two that lies outside, the
+/// parabola through the three values and one step of Newton's lead to the boundary.
 #[inline(always)]
 fn leave<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series: &Series<R, L>, trial: R) -> (R, R) {
     let zero = R::splat(0.0);
@@ -222,9 +224,14 @@ fn leave<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series: &Ser
     let rises = piece.upper.less(v_to);
     let boundary = R::select(rises, piece.upper, piece.lower);
 
-    let secant = ((boundary - v_from) / (v_to - v_from)).mul_add(to - from, from);
-    let secant = secant.max(from).min(to);
-    let newton = secant - (series.v_at(secant) - boundary) / series.v_slope_at(secant);
+    // in parts of the half step: the straight line's zero, bent by the second difference of v
+    let inverse = R::splat(1.0) / (v_to - v_from);
+    let bend = R::splat(0.5) * inverse * (series.v[0] - R::splat(2.0) * v_middle + v_end);
+    let straight = (boundary - v_from) * inverse;
+    let part = (straight * (R::splat(1.0) - straight)).mul_add(bend, straight);
+    let guess = part.mul_add(middle, from).max(from).min(to);
+    let (v, slope) = series.v_and_slope_at(guess);
+    let newton = guess - (v - boundary) / slope;
     let newton = newton.max(from).min(to);
     let change = R::select(rises, R::splat(1.0), R::splat(-1.0));
     (R::select(left, newton, trial), R::select(left, change, zero))

@@ -30,8 +30,8 @@ use crate::lanes::x86::{F32x8, F32x16, F64x4, F64x8};
 const RK4_IN_FLIGHT: usize = 2;
 /// Groups of so many vectors that make a block of rk4.
 const RK4_GROUPS: usize = 3;
-/// Vectors in flight of the Taylor scheme.
-const TAYLOR_IN_FLIGHT: usize = 1;
+/// Vectors that make a block of the Taylor scheme, in flight together where there are no tangent vectors.
+const TAYLOR_GROUPS: usize = 2;
 /// Vectors in flight of the Radau scheme.
 const RADAU_IN_FLIGHT: usize = 1;
 /// Numbers that stand for a vector of the portable set.
@@ -138,9 +138,7 @@ fn batch<I: Instructions, V: Real + Send + Sync + 'static>(
     instances: &[ParameterSet],
 ) -> Box<dyn Batch> {
     match settings.scheme() {
-        Scheme::Taylor => Box::new(Blocks::<I, TaylorBlock<Wide<V, TAYLOR_IN_FLIGHT>>>::new(
-            settings, instances,
-        )),
+        Scheme::Taylor => Box::new(Blocks::<I, TaylorBlock<V, TAYLOR_GROUPS>>::new(settings, instances)),
         Scheme::Radau => Box::new(Blocks::<I, RadauBlock<Wide<V, RADAU_IN_FLIGHT>>>::new(
             settings, instances,
         )),

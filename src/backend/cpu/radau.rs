@@ -64,17 +64,23 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
 
     #[inline(always)]
     fn advance(&mut self, run: &Run<R>, slice: &Slice) {
+        let measured = slice.stage == Stage::Measure;
+        if measured && slice.first == 0 {
+            self.orbit.extremes = [self.orbit.x; 2];
+        }
         for n in 0..slice.periods {
-            match slice.stage {
-                Stage::Transient => self.period(run),
-                Stage::Align => {
-                    self.period_with_tangent(run);
+            // one call for all stages: the scheme is long, and is compiled for every lane type
+            let tangent = (slice.stage != Stage::Transient).then_some(&mut self.tangent);
+            self.orbit
+                .period(&self.system, &run.control, &mut self.peaks, tangent, &mut self.scratch);
+            if slice.stage != Stage::Transient {
+                let growth = self.tangent.normalise(&self.system).ln();
+                if measured {
+                    self.add(run, slice.first + n, growth);
                 }
-                Stage::Measure => self.measured_period(run, slice.first + n),
             }
             let period = slice.elapsed + n + 1;
-            self.record
-                .note_runaways(self.orbit.x, self.orbit.y(&self.system), period);
+            self.record.note_runaways(self.orbit.x, self.orbit.y(&self.system), period);
             self.note_given_up(period);
         }
     }
@@ -106,31 +112,10 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
 
 impl<R: Real> RadauBlock<R> {
     #[inline(always)]
-    fn period(&mut self, run: &Run<R>) {
-        self.orbit
-            .period(&self.system, &run.control, &mut self.peaks, None, &mut self.scratch);
-    }
-
-    /// One forcing period with a tangent vector; returns the logarithm of the vector's growth.
-    #[inline(always)]
-    fn period_with_tangent(&mut self, run: &Run<R>) -> R {
-        let tangent = Some(&mut self.tangent);
-        self.orbit
-            .period(&self.system, &run.control, &mut self.peaks, tangent, &mut self.scratch);
-        self.tangent.normalise(&self.system).ln()
-    }
-
-    #[inline(always)]
-    fn measured_period(&mut self, run: &Run<R>, index: u32) {
-        if index == 0 {
-            self.orbit.extremes = [self.orbit.x; 2];
-        }
+    fn add(&mut self, run: &Run<R>, index: u32, first: R) {
         let zero = R::splat(0.0);
-        let growth = Growth {
-            first: self.period_with_tangent(run),
-            second: zero,
-        };
         let (x, y) = (self.orbit.x, self.orbit.y(&self.system));
+        let growth = Growth { first, second: zero };
         self.record.add(&run.measuring, index, growth, zero, x, y);
         [self.record.x_min, self.record.x_max] = self.orbit.extremes;
     }

@@ -8,41 +8,122 @@ use super::Block;
 use super::record::{Measuring, Record};
 use crate::dynamics::tangent::{Growth, Vector};
 use crate::dynamics::taylor::growth::Area;
-use crate::dynamics::taylor::{self, COEFFICIENTS, Flow, MAX_PASSES, State, TICKS_PER_PERIOD};
+use crate::dynamics::taylor::{self, COEFFICIENTS, Flow, MAX_PASSES, TICKS_PER_PERIOD};
 use crate::experiment::Settings;
-use crate::lanes::{Real, Ticks};
+use crate::lanes::{Real, Ticks, Wide};
 use crate::parameters::{Parameter, ParameterSet};
 
-/// As many instances as the lane type holds.
-pub(super) struct TaylorBlock<R> {
-    flow: Flow<R>,
-    unit: R,
-    inverse_unit: R,
-    x: R,
-    y: R,
-    /// Of length 1, as (X, Y).
-    vector: Vector<R>,
-    /// A period's ticks in lanes that go on, 0 in those that have run away or were given up.
-    period: R,
-    record: Record<R>,
+/// The instances of `G` groups. The motion alone is stepped for all groups together: the steps of one wait for each other
+/// too long to fill the machine. With tangent vectors a group has work enough of its own.
+pub(super) struct TaylorBlock<R, const G: usize> {
+    flow: Flow<Wide<R, G>>,
+    groups: [Group<R>; G],
 }
 
-impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
+impl<R: Real + Send + Sync, const G: usize> Block for TaylorBlock<R, G> {
     type Run = Measuring;
-    const INSTANCES: usize = R::LANES;
+    const INSTANCES: usize = R::LANES * G;
 
     fn run(settings: &Settings) -> Measuring {
         Measuring::new(settings)
     }
 
     fn new(settings: &Settings, instances: &[ParameterSet]) -> Self {
-        let instance = |lane: usize| &instances[lane.min(instances.len() - 1)];
-        let lanes = |parameter| R::from_lanes(|lane| instance(lane)[parameter]);
-        let omega_0 = |lane| instance(lane)[Parameter::Omega0];
-        let unit = R::from_lanes(|lane| taylor::unit_of_time(omega_0(lane)));
-        let longest = R::from_lanes(|lane| taylor::longest_step(omega_0(lane), settings.steps_per_period()));
+        let instance = |index: usize| &instances[index.min(instances.len() - 1)];
+        let steps = settings.steps_per_period();
         Self {
-            flow: Flow::new(lanes, unit, longest),
+            flow: flow(instance, steps),
+            groups: std::array::from_fn(|group| Group::new(|lane| instance(group * R::LANES + lane), steps)),
+        }
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, run: &Measuring, slice: &Slice) {
+        for n in 0..slice.periods {
+            if slice.stage == Stage::Transient {
+                self.period();
+            }
+            for group in &mut self.groups {
+                match slice.stage {
+                    Stage::Transient => {}
+                    Stage::Align => {
+                        group.period_with_tangent();
+                    }
+                    Stage::Measure => group.measured_period(run, slice.first + n),
+                }
+                if group.record.note_runaways(group.x, group.y, slice.elapsed + n + 1) {
+                    group.stop_lanes();
+                }
+            }
+        }
+    }
+
+    fn sums(&self, index: usize) -> Sums {
+        self.groups[index / R::LANES].record.sums(index % R::LANES)
+    }
+
+    fn clear_sums(&mut self) {
+        for group in &mut self.groups {
+            group.record.clear_sums();
+        }
+    }
+
+    fn end_state(&self, index: usize) -> EndState {
+        let (group, lane) = (&self.groups[index / R::LANES], index % R::LANES);
+        group.record.end_state(lane, group.x.lane(lane), group.y.lane(lane))
+    }
+}
+
+impl<R: Real, const G: usize> TaylorBlock<R, G> {
+    /// One forcing period of the motion alone.
+    #[inline(always)]
+    fn period(&mut self) {
+        let x = Wide::from_parts(|group| self.groups[group].x);
+        let w = Wide::from_parts(|group| self.groups[group].y * self.groups[group].unit);
+        let period = Wide::from_parts(|group| self.groups[group].period);
+        let mut state = self.flow.start(x, w, period.to_ticks());
+        for _ in 0..MAX_PASSES {
+            if state.left.all_zero() {
+                break;
+            }
+            (_, state) = taylor::step::<Wide<R, G>, COEFFICIENTS>(&self.flow, &state);
+        }
+        let (x, w) = (state.x.parts(), state.w.parts());
+        for (n, group) in self.groups.iter_mut().enumerate() {
+            group.end(x[n], w[n], state.left[n]);
+        }
+    }
+}
+
+fn flow<'a, R: Real>(instance: impl Fn(usize) -> &'a ParameterSet, steps_per_period: u32) -> Flow<R> {
+    let omega_0 = |lane| instance(lane)[Parameter::Omega0];
+    Flow::new(
+        |parameter| R::from_lanes(|lane| instance(lane)[parameter]),
+        R::from_lanes(|lane| taylor::unit_of_time(omega_0(lane))),
+        R::from_lanes(|lane| taylor::longest_step(omega_0(lane), steps_per_period)),
+    )
+}
+
+/// As many instances as the lane type holds, and everything that is carried along with them.
+struct Group<R> {
+    flow: Flow<R>,
+    unit: R,
+    inverse_unit: R,
+    x: R,
+    y: R,
+    /// The first tangent vector (X, Y), of length 1.
+    vector: Vector<R>,
+    /// A period's ticks in lanes that go on, 0 in those that have run away or were given up.
+    period: R,
+    record: Record<R>,
+}
+
+impl<R: Real> Group<R> {
+    fn new<'a>(instance: impl Fn(usize) -> &'a ParameterSet, steps_per_period: u32) -> Self {
+        let lanes = |parameter| R::from_lanes(|lane| instance(lane)[parameter]);
+        let unit = R::from_lanes(|lane| taylor::unit_of_time(instance(lane)[Parameter::Omega0]));
+        Self {
+            flow: flow(&instance, steps_per_period),
             unit,
             inverse_unit: R::splat(1.0) / unit,
             x: lanes(Parameter::X0),
@@ -56,67 +137,10 @@ impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
         }
     }
 
-    #[inline(always)]
-    fn advance(&mut self, run: &Measuring, slice: &Slice) {
-        for n in 0..slice.periods {
-            match slice.stage {
-                Stage::Transient => self.period(),
-                Stage::Align => {
-                    self.period_with_tangent();
-                }
-                Stage::Measure => self.measured_period(run, slice.first + n),
-            }
-            if self.record.note_runaways(self.x, self.y, slice.elapsed + n + 1) {
-                self.stop_lanes();
-            }
-        }
-    }
-
-    fn sums(&self, index: usize) -> Sums {
-        self.record.sums(index)
-    }
-
-    fn clear_sums(&mut self) {
-        self.record.clear_sums();
-    }
-
-    fn end_state(&self, index: usize) -> EndState {
-        self.record.end_state(index, self.x.lane(index), self.y.lane(index))
-    }
-}
-
-impl<R: Real> TaylorBlock<R> {
-    #[inline(always)]
-    fn start(&self) -> State<R> {
-        self.flow.start(self.x, self.y * self.unit, self.period.to_ticks())
-    }
-
-    #[inline(always)]
-    fn end(&mut self, state: &State<R>) {
-        self.x = state.x;
-        self.y = state.w * self.inverse_unit;
-        if !state.left.all_zero() {
-            self.give_up(state.left);
-        }
-    }
-
-    /// One forcing period of the motion alone.
-    #[inline(always)]
-    fn period(&mut self) {
-        let mut state = self.start();
-        for _ in 0..MAX_PASSES {
-            if state.left.all_zero() {
-                break;
-            }
-            (_, state) = taylor::step::<R, COEFFICIENTS>(&self.flow, &state);
-        }
-        self.end(&state);
-    }
-
     /// One forcing period with tangent vectors and extremes of x; returns growth and divergence over it.
     #[inline(always)]
     fn period_with_tangent(&mut self) -> (Growth<R>, R) {
-        let mut state = self.start();
+        let mut state = self.flow.start(self.x, self.y * self.unit, self.period.to_ticks());
         let mut first = Vector {
             x: self.vector.x,
             y: self.vector.y * self.unit,
@@ -133,7 +157,7 @@ impl<R: Real> TaylorBlock<R> {
             first = step.series.vector_at(first, step.s);
             area.second = step.series.vector_at(area.second, step.s);
             divergence = divergence + step.series.divergence_to(step.s);
-            if pass % Area::<R>::STEPS == 0 {
+            if pass.is_multiple_of(Area::<R>::STEPS) {
                 area.renew(first, R::from_ticks(state.left));
             }
             x_min = x_min.min(turning).min(end.x);
@@ -143,7 +167,7 @@ impl<R: Real> TaylorBlock<R> {
         (self.record.x_min, self.record.x_max) = (x_min, x_max);
         let (vector, growth) = area.close(first, self.inverse_unit);
         self.vector = vector;
-        self.end(&state);
+        self.end(state.x, state.w, state.left);
         (growth, divergence)
     }
 
@@ -154,6 +178,16 @@ impl<R: Real> TaylorBlock<R> {
         }
         let (growth, divergence) = self.period_with_tangent();
         self.record.add(run, index, growth, divergence, self.x, self.y);
+    }
+
+    /// Takes the state in which a period ended, with the ticks that it still had to go.
+    #[inline(always)]
+    fn end(&mut self, x: R, w: R, left: R::Ticks) {
+        self.x = x;
+        self.y = w * self.inverse_unit;
+        if !left.all_zero() {
+            self.give_up(left);
+        }
     }
 
     /// Lanes that have not finished their period are under-resolved.

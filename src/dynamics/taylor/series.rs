@@ -26,8 +26,8 @@ pub struct Local<T> {
     pub linear: T,
     /// -U^2 b.
     pub minus_b: T,
-    /// U eps h1.
-    pub damping: T,
+    /// -U eps h1.
+    pub minus_damping: T,
     /// Coefficients of friction on the piece.
     pub a_0: T,
     pub a_1: T,
@@ -78,40 +78,77 @@ impl<T: Number, const L: usize> Series<T, L> {
         series.x[0] = local.x;
         series.w[0] = local.w;
         series.v[0] = local.v;
-        let mut stiffness = zero;
-        let mut friction = zero;
-        for_orders!(L, series.extend(local, &mut stiffness, &mut friction));
+        let mut factors = series.begin(local);
+        for_orders!(L, series.extend(local, &mut factors));
         series
     }
 
-    /// Order N + 1 of the state, order N of the rest. `stiffness` is k, `friction` is u of the module's equations.
+    /// Order 1 of the state, order 0 of the rest.
     #[inline(always)]
-    fn extend<const N: usize>(&mut self, local: &Local<T>, stiffness: &mut [T; L], friction: &mut [T; L]) {
-        let first = N == 0;
-        let three = T::constant(3.0);
-        let x_square = square::<T, L, N>(&self.x);
-        let v_square = square::<T, L, N>(&self.v);
-        let curved = local.a_2 * self.v[N];
-        stiffness[N] = local.minus_b * x_square;
-        friction[N] = local.cubic.fused(v_square, curved);
-        self.by_x[N] = three * stiffness[N];
+    fn begin(&mut self, local: &Local<T>) -> Factors<T, L> {
+        let (x, v) = (self.x[0], self.v[0]);
+        let mut stiffness = [T::constant(0.0); L];
+        let mut friction = stiffness;
+        let curved = local.a_2 * v;
+        let bent = local.minus_b * x * x;
+        let rough = local.cubic.fused(v * v, curved);
+        self.by_x[0] = T::constant(3.0).fused(bent, local.linear);
+        self.by_w[0] = T::constant(-3.0).fused(rough, curved) - local.a_1 + local.minus_damping;
+        stiffness[0] = bent + local.linear;
+        friction[0] = rough + local.a_1;
+        let drive = drive_term(local, 1);
+        let force = local.minus_damping.fused(self.w[0], local.a_0);
+        let force = friction[0].fused(v, stiffness[0].fused(x, force));
+        self.x[1] = self.w[0];
+        self.w[1] = force;
+        self.v[1] = drive - force;
+        Factors {
+            stiffness,
+            friction,
+            friction_by_v: (local.cubic + local.cubic).fused(v, local.a_2),
+            drive,
+        }
+    }
+
+    /// Order N + 1 of the state, order N of the rest; N = 0 is [`Series::begin`]'s.
+    ///
+    /// v[N] is known last and enters linearly, with the factor -by_w[0] (that of -U eps h1 w[N] among it, as w is the
+    /// drive less v): all else is summed up before, so that an order waits for two operations of the order before.
+    #[inline(always)]
+    fn extend<const N: usize>(&mut self, local: &Local<T>, factors: &mut Factors<T, L>) {
+        if N == 0 {
+            return;
+        }
+        let Factors {
+            stiffness,
+            friction,
+            friction_by_v,
+            drive,
+        } = factors;
+        let (x, v) = (self.x[N], self.v[N]);
+        stiffness[N] = local.minus_b * inner_square::<T, L, N>(&self.x).add(self.x[0] + self.x[0], x).total();
+        let mut force = Sum(None)
+            .inner::<L, N>(stiffness, &self.x)
+            .inner::<L, N>(friction, &self.v)
+            .add(stiffness[0], x)
+            .add(stiffness[N], self.x[0])
+            .add(local.minus_damping, *drive);
+        if let Some(square) = inner_square::<T, L, N>(&self.v).0 {
+            let rough = local.cubic * square;
+            force = force.add(rough, self.v[0]);
+            friction[N] = friction_by_v.fused(v, rough);
+        } else {
+            friction[N] = *friction_by_v * v;
+        }
+        let force = force.add(-self.by_w[0], v).total();
+        self.by_x[N] = T::constant(3.0) * stiffness[N];
         // a term of order n of F is (n + 1) times that of F v
-        self.by_w[N] = -(local.cubic.fused(v_square, friction[N] + friction[N]));
-        if first {
-            stiffness[0] = stiffness[0] + local.linear;
-            friction[0] = friction[0] + local.a_1;
-            self.by_x[0] = self.by_x[0] + local.linear;
-            self.by_w[0] = self.by_w[0] - local.a_1 - local.damping;
-        }
-        let mut force = convolve::<T, L, N>(stiffness, &self.x) + convolve::<T, L, N>(friction, &self.v);
-        force = force - local.damping * self.w[N];
-        if first {
-            force = force + local.a_0;
-        }
-        let inverse = T::constant(1.0 / (N as f64 + 1.0));
-        self.x[N + 1] = inverse * self.w[N];
-        self.w[N + 1] = inverse * force;
-        self.v[N + 1] = drive_term(local, N + 1) - self.w[N + 1];
+        self.by_w[N] = T::constant(-3.0).fused(friction[N], local.a_2 * v);
+        *drive = drive_term(local, N + 1);
+        let inverse = 1.0 / (N as f64 + 1.0);
+        self.x[N + 1] = T::constant(inverse) * self.w[N];
+        self.w[N + 1] = T::constant(inverse) * force;
+        self.v[N + 1] = T::constant(-inverse).fused(force, *drive);
     }
 
     #[inline(always)]
@@ -129,14 +166,16 @@ impl<T: Number, const L: usize> Series<T, L> {
         horner(&self.v, s)
     }
 
-    /// v' at s.
+    /// v and v' at s.
     #[inline(always)]
-    pub fn v_slope_at(&self, s: T) -> T {
-        let mut value = T::constant((L - 1) as f64) * self.v[L - 1];
+    pub fn v_and_slope_at(&self, s: T) -> (T, T) {
+        let mut value = self.v[L - 1];
+        let mut slope = value;
         for n in (1..L - 1).rev() {
-            value = value.fused(s, T::constant(n as f64) * self.v[n]);
+            value = value.fused(s, self.v[n]);
+            slope = slope.fused(s, value);
         }
-        value
+        (value.fused(s, self.v[0]), slope)
     }
 
     /// The divergence integrated from 0 to s.
@@ -164,6 +203,17 @@ impl<T: Number, const L: usize> Series<T, L> {
     }
 }
 
+/// Series that the motion's is made of, besides itself.
+struct Factors<T, const L: usize> {
+    /// k and u of the module's equations.
+    stiffness: [T; L],
+    friction: [T; L],
+    /// d u[N]/d v[N], the same for every N above 0.
+    friction_by_v: T,
+    /// The last term of U zeta_k sin z.
+    drive: T,
+}
+
 struct VectorSeries<T, const L: usize> {
     x: [T; L],
     w: [T; L],
@@ -173,7 +223,12 @@ impl<T: Number, const L: usize> VectorSeries<T, L> {
     #[inline(always)]
     fn extend<const N: usize>(&mut self, along: &Series<T, L>) {
         let inverse = T::constant(1.0 / (N as f64 + 1.0));
-        let force = convolve::<T, L, N>(&along.by_x, &self.x) + convolve::<T, L, N>(&along.by_w, &self.w);
+        let force = Sum(None)
+            .inner::<L, N>(&along.by_x, &self.x)
+            .inner::<L, N>(&along.by_w, &self.w)
+            .outer::<L, N>(&along.by_x, &self.x)
+            .outer::<L, N>(&along.by_w, &self.w)
+            .total();
         self.x[N + 1] = inverse * self.w[N];
         self.w[N + 1] = inverse * force;
     }
@@ -194,31 +249,57 @@ fn drive_term<T: Number>(local: &Local<T>, n: usize) -> T {
     }
 }
 
-/// Order N of the product of two series.
-#[inline(always)]
-fn convolve<T: Number, const L: usize, const N: usize>(a: &[T; L], b: &[T; L]) -> T {
-    let mut sum = a[0] * b[N];
-    for i in 1..=N {
-        sum = a[i].fused(b[N - i], sum);
+/// A sum of products as it grows; none yet, or some.
+///
+/// The order N of a product of two series a and b is its inner part, without a[N] and b[N], and its outer part.
+struct Sum<T>(Option<T>);
+
+impl<T: Number> Sum<T> {
+    #[inline(always)]
+    fn add(self, a: T, b: T) -> Self {
+        Self(Some(match self.0 {
+            Some(sum) => a.fused(b, sum),
+            None => a * b,
+        }))
     }
-    sum
+
+    #[inline(always)]
+    fn inner<const L: usize, const N: usize>(mut self, a: &[T; L], b: &[T; L]) -> Self {
+        for i in 1..N {
+            self = self.add(a[i], b[N - i]);
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn outer<const L: usize, const N: usize>(mut self, a: &[T; L], b: &[T; L]) -> Self {
+        if N > 0 {
+            self = self.add(a[0], b[N]);
+        }
+        self.add(a[N], b[0])
+    }
+
+    #[inline(always)]
+    fn total(self) -> T {
+        match self.0 {
+            Some(sum) => sum,
+            None => T::constant(0.0),
+        }
+    }
 }
 
-/// Order N of the square of a series.
+/// Order N of the square of a series but for its terms with a[N]; none for N below 2.
 #[inline(always)]
-fn square<T: Number, const L: usize, const N: usize>(a: &[T; L]) -> T {
-    if N == 0 {
-        return a[0] * a[0];
-    }
-    let mut half = a[0] * a[N];
+fn inner_square<T: Number, const L: usize, const N: usize>(a: &[T; L]) -> Sum<T> {
+    let mut half = Sum(None);
     for i in 1..N.div_ceil(2) {
-        half = a[i].fused(a[N - i], half);
+        half = half.add(a[i], a[N - i]);
     }
-    let double = half + half;
+    let whole = Sum(half.0.map(|half| half + half));
     if N.is_multiple_of(2) {
-        a[N / 2].fused(a[N / 2], double)
+        whole.add(a[N / 2], a[N / 2])
     } else {
-        double
+        whole
     }
 }
 

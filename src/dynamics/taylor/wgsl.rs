@@ -117,7 +117,7 @@ type SymbolSeries<'a> = Series<Symbol<'a>, COEFFICIENTS>;
 const LOCAL_FIELDS: [&str; 12] = [
     "linear",
     "minus_b",
-    "damping",
+    "minus_damping",
     "a_0",
     "a_1",
     "a_2",
@@ -196,7 +196,7 @@ fn series_new() -> String {
     let series: SymbolSeries<'_> = Series::new(&Local {
         linear: local(0),
         minus_b: local(1),
-        damping: local(2),
+        minus_damping: local(2),
         a_0: local(3),
         a_1: local(4),
         a_2: local(5),
@@ -222,6 +222,17 @@ fn evaluation<'a>(body: &'a Body, name: &str, value: impl Fn(&SymbolSeries<'a>, 
     format!(
         "fn {name}(series: Series, s: f32) -> f32 {{\n{}    return {result};\n}}\n\n",
         body.text()
+    )
+}
+
+fn v_and_slope_at() -> String {
+    let body = Body::default();
+    let (value, slope) = given(&body).v_and_slope_at(body.named("s"));
+    format!(
+        "fn v_and_slope_at(series: Series, s: f32) -> vec2<f32> {{\n{}    return vec2({}, {});\n}}\n\n",
+        body.text(),
+        value.text(),
+        slope.text()
     )
 }
 
@@ -253,7 +264,7 @@ pub fn source() -> String {
     text += &evaluation(&body(), "x_at", |series, s| series.x_at(s));
     text += &evaluation(&body(), "w_at", |series, s| series.w_at(s));
     text += &evaluation(&body(), "v_at", |series, s| series.v_at(s));
-    text += &evaluation(&body(), "v_slope_at", |series, s| series.v_slope_at(s));
+    text += &v_and_slope_at();
     text += &evaluation(&body(), "divergence_to", |series, s| series.divergence_to(s));
     text += &vector_at();
     text
