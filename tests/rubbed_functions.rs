@@ -52,7 +52,7 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
         assert!((f64::from(probe[0]) - factor).abs() < 1e-5 * factor + 1e-7, "{z}");
         for k in 0..3 {
             let error = f64::from(probe[1 + k]) / moments[k] - 1.0;
-            assert!(error.abs() < 1e-5, "moment {k} at {z}: {error:e}");
+            assert!(error.abs() < 1e-4, "moment {k} at {z}: {error:e}");
         }
     }
 }
