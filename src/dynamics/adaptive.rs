@@ -105,8 +105,9 @@ impl<R: Real> System<R> {
         }
         // ramps are rare: lane by lane is fast enough
         R::from_lanes(|lane| {
-            let time = time.lane(lane);
-            -(-self.rubbing.ramp_rate.lane(lane) * time * time.max(f64::MIN_POSITIVE)).exp_m1()
+            // at time 0 too, an infinite rate makes 1
+            let square = time.lane(lane).powi(2).max(f64::MIN_POSITIVE);
+            -(-self.rubbing.ramp_rate.lane(lane) * square).exp_m1()
         })
     }
 }
