@@ -123,7 +123,8 @@ fn short_trajectories_are_those_of_the_cpu() {
         .map(|i| {
             let set = preset(0.1 * f64::from(i), 0.01 * f64::from(i % 3));
             match i % 8 {
-                0 => set.with(Parameter::RampRate, 0.1).with(Parameter::Y0, -5.0),
+                0 => set.with(Parameter::RampRate, 0.1),
+                7 => set.with(Parameter::Y0, -5.0),
                 1 => set.with(Parameter::Epsilon0, 1e-3),
                 2 => set.with(Parameter::Gamma, 0.0),
                 3 => set.with(Parameter::Gamma, 0.0).with(Parameter::KW, 0.0),
@@ -157,7 +158,7 @@ fn short_trajectories_are_those_of_the_cpu() {
             let (a, b) = (a.contact, b.contact);
             assert!(is_near(a.peak_pressure, b.peak_pressure, 1e-3), "{what}");
             assert!(is_near(a.peak_temperature, b.peak_temperature, 1e-2), "{what}");
-            assert!((a.final_wear - b.final_wear).abs() < 1e-4 * (1.0 + b.final_wear), "{what}");
+            assert!((a.final_wear - b.final_wear).abs() < 5e-4 * (1.0 + b.final_wear), "{what}");
             assert_eq!(a.lost.is_some(), b.lost.is_some(), "{what}");
         }
     }
@@ -223,12 +224,12 @@ fn runaways_are_reported_and_nothing_more_is_asked_of_them() {
         periods: 16,
         ..settings()
     };
-    // a softening spring, which lets go, beside a bounded orbit
-    let instances = [preset(3.0, 0.0), preset(3.0, 0.0).with(Parameter::B, -0.5)];
+    // where friction does not brake the bush, heat feeds on heat
+    let instances = [preset(3.0, 0.0), preset(3.0, 0.0).with(Parameter::Epsilon, 0.0)];
     let gpu = measure(&mut GpuBackend::new(context), &settings, &instances);
     let cpu = measure(&mut CpuBackend::new(Precision::F64), &settings, &instances);
     assert_eq!(gpu[0].status, Status::Ok);
-    assert_ne!(gpu[1].status, Status::Ok);
+    assert!(matches!(gpu[1].status, Status::Runaway { .. }), "{gpu:?}");
     assert_eq!(gpu[1].status, cpu[1].status);
 }
 
