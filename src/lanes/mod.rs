@@ -4,7 +4,7 @@
 //! written once over [`Real`] and serves f64 (the reference), dual numbers (in tests), and lanes of f64 and f32.
 
 mod wide;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", not(test)))]
 pub(crate) mod x86;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -9,6 +9,7 @@ mod exponents;
 mod heat_modes;
 mod lanes;
 mod oracle;
+mod rubbed;
 mod statistics;
 mod tangent;
 mod thermal_oracle;

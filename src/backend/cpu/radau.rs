@@ -80,7 +80,8 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
                 }
             }
             let period = slice.elapsed + n + 1;
-            self.record.note_runaways(self.orbit.x, self.orbit.y(&self.system), period);
+            self.record
+                .note_runaways(self.orbit.x, self.orbit.y(&self.system), period);
             self.note_given_up(period);
         }
     }
