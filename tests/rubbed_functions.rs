@@ -46,7 +46,9 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
     let samples: Vec<[f32; 1]> = (0..SAMPLES)
         .map(|_| [10f64.powf(2.5 * noise.unit() - 1.0 + 0.2) as f32 * if noise.unit() < 0.2 { 1e-4 } else { 1.0 }])
         .collect();
-    let Some(probes) = probed::<1, 4>(PROBE, &samples) else { return };
+    let Some(probes) = probed::<1, 4>(PROBE, &samples) else {
+        return;
+    };
     for ([z], probe) in samples.iter().zip(&probes) {
         let Decay { factor, moments } = decay(f64::from(*z), 1.0 / f64::from(*z));
         assert!((f64::from(probe[0]) - factor).abs() < 1e-5 * factor + 1e-7, "{z}");
@@ -80,19 +82,33 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
             let bend = if i % 2 == 0 { 0.05 } else { 3.0 };
             let start = noise.within(-1.0, 1.0);
             let [first, second, last] = NODES.map(|node| start + node as f32 + bend * noise.within(-1.0, 1.0));
-            [start, first, second, last, first + (second - first) * noise.within(0.05, 0.95)]
+            [
+                start,
+                first,
+                second,
+                last,
+                first + (second - first) * noise.within(0.05, 0.95),
+            ]
         })
         .collect();
-    let Some(probes) = probed::<5, 3>(PROBE, &samples) else { return };
+    let Some(probes) = probed::<5, 3>(PROBE, &samples) else {
+        return;
+    };
     for (i, (sample, &[crossing, value, s])) in samples.iter().zip(&probes).enumerate() {
         let [start, first, second, last, level] = sample.map(f64::from);
         let cubic = Cubic::new(start, [first, second, last]);
         if i % 2 == 0 {
             let expected = cubic.crossing(level, NODES[0], NODES[1]);
-            assert!((f64::from(crossing) - expected).abs() < 1e-5, "{sample:?}: {crossing} {expected}");
+            assert!(
+                (f64::from(crossing) - expected).abs() < 1e-5,
+                "{sample:?}: {crossing} {expected}"
+            );
         }
         let (greatest, _) = cubic.maximum();
-        assert!((f64::from(value) - greatest).abs() < 1e-4, "{sample:?}: {value} {greatest}");
+        assert!(
+            (f64::from(value) - greatest).abs() < 1e-4,
+            "{sample:?}: {value} {greatest}"
+        );
         assert!((cubic.at(f64::from(s)) - greatest).abs() < 1e-4, "{sample:?}: {s}");
     }
 }
@@ -122,7 +138,9 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
     for (sample, (case, _)) in samples.iter_mut().zip(&cases) {
         *sample = *case;
     }
-    let Some(probes) = probed::<2, 1>(PROBE, &samples) else { return };
+    let Some(probes) = probed::<2, 1>(PROBE, &samples) else {
+        return;
+    };
     for ([probe], (case, expected)) in probes.iter().zip(cases) {
         assert_eq!(*probe, expected, "{case:?}");
     }
@@ -245,7 +263,11 @@ fn sample(noise: &mut Noise) -> [f32; INPUTS] {
         noise.within(0.1, 0.5),
         epsilon_0,
         gamma,
-        if noise.unit() < 0.5 { 0.0 } else { noise.within(0.0, 0.05) },
+        if noise.unit() < 0.5 {
+            0.0
+        } else {
+            noise.within(0.0, 0.05)
+        },
         f32::MAX,
         3.0,
         0.5,
@@ -312,7 +334,14 @@ fn expected<R: Real<Mask = bool>>(sample: &[f32; INPUTS]) -> [f64; OUTPUTS] {
         values.extend(nodes);
     }
     values.extend([end.pressure, end.falloff, trial.worn(&rubbing, h)]);
-    values.extend([after.x, after.v, after.fit, after.heat.pressure, after.heat.falloff, after.flux]);
+    values.extend([
+        after.x,
+        after.v,
+        after.fit,
+        after.heat.pressure,
+        after.heat.falloff,
+        after.flux,
+    ]);
     values.extend(&flux[..2]);
     let values: Vec<f64> = values.into_iter().map(|value| value.lane(0)).collect();
     values.try_into().expect("as many as the shader's")
@@ -322,7 +351,9 @@ fn expected<R: Real<Mask = bool>>(sample: &[f32; INPUTS]) -> [f64; OUTPUTS] {
 fn a_trial_step_is_as_near_to_f64_as_f32_on_the_cpu_is() {
     let mut noise = Noise(4);
     let samples: Vec<[f32; INPUTS]> = (0..SAMPLES).map(|_| sample(&mut noise)).collect();
-    let Some(probes) = probed::<INPUTS, OUTPUTS>(STEP_PROBE, &samples) else { return };
+    let Some(probes) = probed::<INPUTS, OUTPUTS>(STEP_PROBE, &samples) else {
+        return;
+    };
     let mut errors = vec![[const { Vec::new() }; 2]; OUTPUTS];
     let mut unsettled = 0;
     for (sample, probe) in samples.iter().zip(&probes) {

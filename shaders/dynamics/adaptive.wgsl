@@ -114,19 +114,6 @@ fn begin(orbit: ptr<function, Orbit>, system: System) -> Start {
     return start_new(system.rubbing, (*orbit).x, (*orbit).v, speed, (*orbit).fit, heat, (*orbit).contact);
 }
 
-// Angular speed of the bush, between two forcing periods.
-fn orbit_y(orbit: ptr<function, Orbit>, system: System) -> f32 {
-    return fma(system.rubbing.zeta_k, (*orbit).sine, system.rubbing.omega_k) - (*orbit).v;
-}
-
-// Begins a forcing period.
-fn begin_period(orbit: ptr<function, Orbit>) {
-    // the drive's phase is 0 exactly: rounding does not grow from period to period
-    (*orbit).sine = 0.0;
-    (*orbit).cosine = 1.0;
-    (*orbit).left = TICKS;
-}
-
 // Tries one step; `carries` tells whether a tangent vector is carried along.
 fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
     let rubbing = system.rubbing;

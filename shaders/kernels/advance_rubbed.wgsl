@@ -4,6 +4,14 @@
 // Passes that a period may take: beyond, it is under-resolved.
 override PASS_BUDGET: u32;
 
+// Begins a forcing period.
+fn begin_period(orbit: ptr<function, Orbit>) {
+    // the drive's phase is 0 exactly: rounding does not grow from period to period
+    (*orbit).sine = 0.0;
+    (*orbit).cosine = 1.0;
+    (*orbit).left = TICKS;
+}
+
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn advance_rubbed(@builtin(global_invocation_id) thread: vec3<u32>) {
     if (thread.x >= span.instances) {
