@@ -397,6 +397,11 @@ impl Experiment {
         self.extent(Parameter::Gamma).1 > 0.0 || self.extent(Parameter::KW).1 > 0.0
     }
 
+    /// Whether the contact wears anywhere in the grid.
+    pub fn wears(&self) -> bool {
+        self.extent(Parameter::KW).1 > 0.0
+    }
+
     /// Whether f32 can carry the experiment.
     ///
     /// # Errors

@@ -5,6 +5,7 @@
 mod common;
 
 mod classes;
+mod dual;
 mod exponents;
 mod heat_modes;
 mod lanes;

@@ -5,11 +5,17 @@ use std::ops::ControlFlow;
 
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::measure_batch;
-use tribochaos::dynamics::history::history;
+use tribochaos::dynamics::adaptive::{Control, Orbit, Peaks, System, Tangent};
+use tribochaos::dynamics::history::{Sample, history};
+use tribochaos::dynamics::radau::ModeStep;
 use tribochaos::experiment::{Precision, Preset, Scheme, Settings};
+use tribochaos::lanes::Real;
 use tribochaos::measurement::{Class, Measurement, Status};
+use tribochaos::model::rubbing::HeatModes;
+use tribochaos::model::thermal_modes::ThermalModes;
 use tribochaos::parameters::{Parameter, ParameterSet};
 
+use crate::dual::Dual;
 use crate::thermal_oracle::{Case, finite_volume, preset, volterra};
 
 /// Section 5 of the paper, as reconstructed.
@@ -264,4 +270,77 @@ fn with_a_ramp_contact_begins_at_zero_and_can_come_back() {
     for sample in &run.samples {
         assert!(sample.wear <= fit(sample.tau) + 40.0, "{sample:?}");
     }
+}
+
+/// The state (x, v, h_U - u_w) after some periods, and a tangent vector started at (1, 0), in any number type.
+fn followed<R: Real>(set: &ParameterSet, x0: R, periods: u32) -> ([R; 3], [R; 3]) {
+    let settings = Settings::default();
+    let modes = HeatModes::new(set, &ThermalModes::new(set[Parameter::Biot], 6));
+    let system = System::<R>::new(|parameter| R::splat(set[parameter]), |_| &modes);
+    let control = Control::new(&settings);
+    let mut orbit = Orbit::start(&system, x0, R::splat(set[Parameter::Y0]));
+    let mut peaks = Peaks::start(&orbit);
+    let mut tangent = Tangent::start(modes.rates.len());
+    let mut scratch = vec![ModeStep::empty(); modes.rates.len()];
+    for _ in 0..periods {
+        orbit.period(&system, &control, &mut peaks, Some(&mut tangent), &mut scratch);
+    }
+    (
+        [orbit.x, orbit.v, orbit.fit],
+        [tangent.at.x, tangent.at.v, tangent.at.fit],
+    )
+}
+
+#[test]
+fn the_tangent_of_the_full_state_is_the_derivative_by_dual_numbers() {
+    for (zeta_k, k_w, periods) in [
+        (3.9, 0.01, 1),
+        (3.9, 0.0, 3),
+        (3.5, 0.02, 2),
+        (7.0, 0.01, 1),
+        (1.5, 0.5, 2),
+    ] {
+        let set = paper(zeta_k).with(Parameter::KW, k_w).with(Parameter::X0, 0.3);
+        let x0 = Dual {
+            value: 0.3,
+            derivatives: [1.0, 0.0],
+        };
+        let (state, _) = followed(&set, x0, periods);
+        let (_, tangent) = followed(&set, 0.3, periods);
+        let scale = tangent.iter().map(|component| component.abs()).fold(0.0, f64::max);
+        for (dual, ours) in state.iter().zip(tangent) {
+            let error = (dual.derivatives[0] - ours).abs() / scale;
+            assert!(error < 1e-4, "{zeta_k} {k_w}: {dual:?} {ours}");
+        }
+    }
+}
+
+#[test]
+fn the_heat_put_in_is_stored_or_lost_at_the_surface() {
+    // (sum c_m q_m)' = Q - omega_tilde Bi theta(1)/gamma, in terms of the pressure: p - (1 - u_w) = 2 gamma sum c_m q_m
+    let set = paper(3.9);
+    let settings = Settings {
+        tolerance: 1e-6,
+        ..Settings::default()
+    };
+    let run = history(&set, &settings, 3, 2000);
+    let (gamma, cooling) = (set[Parameter::Gamma], set[Parameter::OmegaTilde] * set[Parameter::Biot]);
+    let friction = |v: f64| crate::oracle::friction(&set, v);
+    // Simpson's rule over pairs of samples
+    let integral = |of: &dyn Fn(&Sample) -> f64| {
+        run.samples[..run.samples.len() - 1]
+            .chunks_exact(2)
+            .enumerate()
+            .map(|(pair, two)| {
+                let last = &run.samples[2 * pair + 2];
+                (of(&two[0]) + 4.0 * of(&two[1]) + of(last)) * (last.tau - two[0].tau) / 6.0
+            })
+            .sum::<f64>()
+    };
+    let put_in = integral(&|s| friction(s.v) * s.v * s.pressure);
+    let lost = integral(&|s| cooling * s.temperature / gamma);
+    let last = run.samples.last().unwrap();
+    let stored = (last.pressure - (1.0 - last.wear)) / (2.0 * gamma);
+    assert!(put_in > 100.0);
+    close(stored + lost, put_in, 2e-5, "heat");
 }
