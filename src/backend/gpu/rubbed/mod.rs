@@ -23,6 +23,10 @@ use crate::parameters::ParameterSet;
 /// worth thirty.
 const STEPS_PER_PERIOD: u32 = 6000;
 
+/// Most periods of a dispatch: a thread that needs all the passes that a period may take keeps the device busy for some
+/// tenths of a second.
+const MOST_PERIODS: u32 = 4;
+
 /// A batch of the full model and the kernels that carry it on.
 pub struct RubbedBatch {
     pipelines: Pipelines,
@@ -73,7 +77,8 @@ impl RubbedBatch {
         let load = self.load;
         let mut done = 0;
         while done < slice.periods {
-            let periods = self.pacers[usize::from(carries_tangent)].periods(&load, slice.periods - done);
+            let left = (slice.periods - done).min(MOST_PERIODS);
+            let periods = self.pacers[usize::from(carries_tangent)].periods(&load, left);
             let mut first_instance = 0;
             while first_instance < load.instances {
                 let pacer = &self.pacers[usize::from(carries_tangent)];
