@@ -32,15 +32,15 @@ pub const PASS_BUDGET: u32 = 20_000;
 /// Near a boundary of the friction layer, in half-widths of the layer: how far beyond it a step is cut, how far beyond
 /// the cut aims, and from how far before it a lane that is on its way out is taken to have reached the next piece. Between
 /// these a lane may turn without chatter, and the tangent misses no more of the layer than that.
-const CUT: f64 = 2e-3;
-const AIM: f64 = 5e-4;
-const REACHED: f64 = 5e-4;
+pub const CUT: f64 = 2e-3;
+pub const AIM: f64 = 5e-4;
+pub const REACHED: f64 = 5e-4;
 
 /// Bounds of a sliding velocity that meets no boundary.
 const FAR: f64 = 1e30;
 
 /// A trial with an error above this many tolerances is tried again.
-const REJECTED: f64 = 1.5;
+pub const REJECTED: f64 = 1.5;
 
 /// What all instances of a batch share.
 #[derive(Clone, Copy, Debug)]
@@ -105,8 +105,9 @@ impl<R: Real> System<R> {
         }
         // ramps are rare: lane by lane is fast enough
         R::from_lanes(|lane| {
-            let time = time.lane(lane);
-            -(-self.rubbing.ramp_rate.lane(lane) * time * time.max(f64::MIN_POSITIVE)).exp_m1()
+            // at time 0 too, an infinite rate makes 1
+            let square = time.lane(lane).powi(2).max(f64::MIN_POSITIVE);
+            -(-self.rubbing.ramp_rate.lane(lane) * square).exp_m1()
         })
     }
 }
@@ -132,12 +133,12 @@ pub struct Orbit<R: Real> {
     /// Completed periods.
     pub periods: R,
     /// Length of the next step, in ticks.
-    step: R,
+    pub step: R,
     /// Piece of the friction law: 0 below the layer, 1 and 2 its halves, 3 above.
-    piece: R,
+    pub piece: R,
     /// Acceleration as a quadratic in time around the last trial's start, and the time since then: guesses the next.
-    guess: [R; 3],
-    since: R,
+    pub guess: [R; 3],
+    pub since: R,
     /// Least and greatest x since they were last set.
     pub extremes: [R; 2],
     /// 1 in lanes that have been given up: because they needed too many or too short steps, or because the pressure ran
