@@ -79,7 +79,8 @@ fn rust_layouts() -> BTreeMap<&'static str, Layout> {
             x_min,
             x_max,
             candidates,
-            runaway_period
+            runaway_period,
+            under_resolved
         }),
         layout_of!(Totals {
             growth_first,

@@ -55,6 +55,8 @@ struct Orbit {
     candidates: u32,
     // The period, counted from 1, at whose end the instance was found to have run away; 0 if it has not.
     runaway_period: u32,
+    // 1 once the scheme has given the instance up, else 0.
+    under_resolved: u32,
 }
 
 // One instance's sums over measured periods since they were last collected.
