@@ -17,6 +17,8 @@ pub struct Scale {
     pub label: String,
     pub low: f64,
     pub high: f64,
+    /// Whether ticks have no numbers and the axis no words: a panel below has the same scale.
+    pub is_bare: bool,
 }
 
 impl Scale {
@@ -25,7 +27,14 @@ impl Scale {
             label: label.to_owned(),
             low,
             high,
+            is_bare: false,
         }
+    }
+
+    /// The same scale where a panel below shows its numbers and words.
+    #[must_use]
+    pub fn bare(self) -> Self {
+        Self { is_bare: true, ..self }
     }
 
     /// Ends a little beyond the finite ones of the values; around a single value, or 0, where there is no extent.
@@ -151,13 +160,17 @@ impl Panel {
         let y_ticks = y_ticks(&self.y, frame_height);
         let tick_width = widest(y_ticks.iter().map(|tick| tick.label.as_str()), TICK_SIZE);
         let y_lines = wrap(&self.y.label, LABEL_SIZE, frame_height).len() as f64;
-        let x_lines = wrap(&self.x.label, LABEL_SIZE, frame_width).len() as f64;
+        let below = if self.x.is_bare {
+            0.0
+        } else {
+            9.0 + TICK_SIZE + wrap(&self.x.label, LABEL_SIZE, frame_width).len() as f64 * LINE
+        };
         let bar = self.density().map_or(18.0, |density| density.bar_room(TICK_SIZE));
         Room {
             left: 10.0 + tick_width + 8.0 + y_lines * LINE,
             right: bar,
             top: if self.title.is_empty() { 12.0 } else { 1.9 * LABEL_SIZE },
-            bottom: 9.0 + TICK_SIZE + x_lines * LINE + self.legend_rows(frame_width).len() as f64 * LEGEND_ROW + 12.0,
+            bottom: below + self.legend_rows(frame_width).len() as f64 * LEGEND_ROW + 12.0,
         }
     }
 
@@ -281,7 +294,9 @@ impl Panel {
         for tick in x_ticks(&self.x, frame_width) {
             let x = left + self.x.part(tick.value) * frame_width;
             line(svg, [x, bottom, x, bottom + 6.0], 1.0);
-            words(svg, &tick.label, x, bottom + 9.0 + TICK_SIZE, TICK_SIZE, "middle");
+            if !self.x.is_bare {
+                words(svg, &tick.label, x, bottom + 9.0 + TICK_SIZE, TICK_SIZE, "middle");
+            }
         }
         let y_ticks = y_ticks(&self.y, frame_height);
         for tick in &y_ticks {
@@ -295,10 +310,13 @@ impl Panel {
             let x = left - 10.0 - tick_width - 8.0 - (y_lines.len() - 1 - index) as f64 * LINE;
             upright(svg, text, x, top + 0.5 * frame_height, LABEL_SIZE);
         }
-        let mut y = bottom + 9.0 + TICK_SIZE;
-        for text in wrap(&self.x.label, LABEL_SIZE, frame_width) {
-            y += LINE;
-            words(svg, &text, left + 0.5 * frame_width, y, LABEL_SIZE, "middle");
+        let mut y = bottom;
+        if !self.x.is_bare {
+            y += 9.0 + TICK_SIZE;
+            for text in wrap(&self.x.label, LABEL_SIZE, frame_width) {
+                y += LINE;
+                words(svg, &text, left + 0.5 * frame_width, y, LABEL_SIZE, "middle");
+            }
         }
         for row in self.legend_rows(frame_width) {
             y += LEGEND_ROW;

@@ -22,6 +22,8 @@ pub struct Sheet {
 pub const SINGLE: [u32; 2] = [900, 560];
 /// The frames of a picture with panels beside each other.
 pub const BESIDE: [u32; 2] = [620, 400];
+/// The frames of a picture with panels below each other that share an axis.
+pub const STACKED: [u32; 2] = [900, 130];
 
 const MARGIN: f64 = 16.0;
 const CAPTION_SIZE: f64 = 14.0;
@@ -33,6 +35,16 @@ impl Sheet {
             panels: vec![panel],
             columns: 1,
             frame: SINGLE,
+            caption,
+        }
+    }
+
+    /// Panels below each other.
+    pub fn stacked(panels: Vec<Panel>, caption: Vec<String>) -> Self {
+        Self {
+            panels,
+            columns: 1,
+            frame: STACKED,
             caption,
         }
     }
