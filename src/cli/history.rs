@@ -3,9 +3,9 @@
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::{Value, json};
-use tribochaos::dynamics::history::{History, history};
+use tribochaos::dynamics::history::{History, Sample, history};
 use tribochaos::experiment::{BackendChoice, Experiment, Precision, Request, Scheme};
-use tribochaos::measurement::{Contact, Status};
+use tribochaos::measurement::{Contact, RUNAWAY_BOUND, Status};
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts, histories};
 use tribochaos::parameters::Parameter;
@@ -42,8 +42,8 @@ pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
 
     let history = history(&at, &experiment.settings, periods, args.samples);
     let last = history.samples.last().expect("the first sample is the initial state");
-    let ended = given_up(&history);
-    if let Some(reason) = ended {
+    let (status, reason) = ending(&history);
+    if history.given_up {
         eprintln!(
             "warning: given up after tau = {:.4}, where what is shown ends: {reason}",
             last.tau
@@ -70,7 +70,9 @@ pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
         "pressure: p, 0 in the gap; wear: u_w; temperature: theta(1, tau); all dimensionless".to_owned(),
     ];
     notes.extend(contact.lost.map(|lost| format!("contact lost at tau_c = {lost}")));
-    notes.extend(ended.map(|reason| format!("given up after the last row: {reason}")));
+    if history.given_up {
+        notes.push(format!("given up after the last row: {reason}"));
+    }
     files.table(
         "",
         &notes,
@@ -88,7 +90,7 @@ pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
         }),
     )?;
     if args.out.json {
-        files.report(Some(object(&experiment, periods, &history, &contact)));
+        files.report(Some(object(&experiment, periods, last, status, &contact)));
     } else {
         print(last.tau, &contact);
         files.report(None);
@@ -138,12 +140,21 @@ fn experiment(args: &HistoryArgs) -> Result<(Experiment, u32), Failure> {
     Ok((request.resolve_point().map_err(Failure::input)?, periods))
 }
 
-/// Why the run ended before its time, if it did.
-fn given_up(history: &History) -> Option<&'static str> {
-    match (history.given_up, history.pressure_ran_away) {
-        (false, _) => None,
-        (true, true) => Some("the contact pressure ran away"),
-        (true, false) => Some("the motion ran away, or needs more or shorter steps than there may be"),
+/// How the run ended, and why if it did so before its time.
+fn ending(history: &History) -> (Status, &'static str) {
+    let Some(last) = history.samples.last().filter(|_| history.given_up) else {
+        return (Status::Ok, "");
+    };
+    let runaway = Status::Runaway { time: last.tau };
+    if history.pressure_ran_away {
+        (runaway, "the contact pressure ran away")
+    } else if last.x.abs() + last.y.abs() >= RUNAWAY_BOUND {
+        (runaway, "the motion ran away")
+    } else {
+        (
+            Status::UnderResolved,
+            "the next sample needs more or shorter steps than there may be",
+        )
     }
 }
 
@@ -158,12 +169,13 @@ fn words(experiment: &Experiment, args: &HistoryArgs, periods: u32, history: &Hi
     let contact = match history.contact_lost {
         // the panels say when
         Some(_) => "",
+        None if history.given_up => "",
         None if at.is_rubbed() => "Contact held to the end. ",
         None => "Constant contact pressure. ",
     };
-    let ended = match (given_up(history), history.samples.last()) {
-        (Some(reason), Some(last)) => format!("Given up after τ = {:.4}: {reason}. ", last.tau),
-        _ => String::new(),
+    let ended = match history.samples.last().filter(|_| history.given_up) {
+        Some(last) => format!("Given up after τ = {:.4}: {}. ", last.tau, ending(history).1),
+        None => String::new(),
     };
     vec![
         charts::fixed(at, &shown),
@@ -178,13 +190,7 @@ fn words(experiment: &Experiment, args: &HistoryArgs, periods: u32, history: &Hi
     ]
 }
 
-fn object(experiment: &Experiment, periods: u32, history: &History, contact: &Contact) -> Value {
-    let last = history.samples[history.samples.len() - 1];
-    let status = match (history.given_up, history.pressure_ran_away) {
-        (false, _) => Status::Ok,
-        (true, true) => Status::Runaway { time: last.tau },
-        (true, false) => Status::UnderResolved,
-    };
+fn object(experiment: &Experiment, periods: u32, last: &Sample, status: Status, contact: &Contact) -> Value {
     json!({
         "parameters": analysis::parameters(&experiment.grid.fixed),
         "periods": periods,

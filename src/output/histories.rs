@@ -41,10 +41,21 @@ pub fn stacked(history: &History) -> Vec<Panel> {
                     stroke: Stroke::solid(FAINT, 1.0),
                 });
             }
-            layers.push(Layer::Curve {
-                name: String::new(),
-                points: thinned(curve(&history.samples, value)),
-                stroke: Stroke::solid(colour_of(index), 1.2),
+            let points = thinned(curve(&history.samples, value));
+            // a line needs two points
+            layers.push(if points.len() < 2 {
+                Layer::Marks {
+                    name: String::new(),
+                    points,
+                    colour: colour_of(index),
+                    radius: 3.5,
+                }
+            } else {
+                Layer::Curve {
+                    name: String::new(),
+                    points,
+                    stroke: Stroke::solid(colour_of(index), 1.2),
+                }
             });
             if let Some(lost) = history.contact_lost {
                 let words = format!("contact lost at τ_c = {lost:.3}");

@@ -148,7 +148,9 @@ const SWATCH: f64 = 30.0;
 /// Room around a frame, in pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Room {
-    pub left: f64,
+    /// Words of the y axis, and the numbers at its ticks between them and the frame.
+    pub label: f64,
+    pub numbers: f64,
     pub right: f64,
     pub top: f64,
     pub bottom: f64,
@@ -167,7 +169,8 @@ impl Panel {
         };
         let bar = self.density().map_or(18.0, |density| density.bar_room(TICK_SIZE));
         Room {
-            left: 10.0 + tick_width + 8.0 + y_lines * LINE,
+            label: y_lines * LINE,
+            numbers: 10.0 + tick_width + 12.0,
             right: bar,
             top: if self.title.is_empty() { 12.0 } else { 1.9 * LABEL_SIZE },
             bottom: below + self.legend_rows(frame_width).len() as f64 * LEGEND_ROW + 12.0,
@@ -188,8 +191,9 @@ impl Panel {
         })
     }
 
-    /// Draws the panel with its frame at [left, top, width, height]; `id` is unique in the document.
-    pub(super) fn draw(&self, svg: &mut String, frame: [f64; 4], id: usize) -> Result<(), FigureError> {
+    /// Draws the panel with its frame at [left, top, width, height], and the words of its y axis so far to the left that
+    /// there is room for `numbers`; `id` is unique in the document.
+    pub(super) fn draw(&self, svg: &mut String, frame: [f64; 4], numbers: f64, id: usize) -> Result<(), FigureError> {
         let [left, top, frame_width, frame_height] = frame;
         let place = format!("x=\"{left}\" y=\"{top}\" width=\"{frame_width}\" height=\"{frame_height}\"");
         let _ = writeln!(
@@ -218,7 +222,7 @@ impl Panel {
             words(svg, text, at, top - 0.55 * LABEL_SIZE, TICK_SIZE, "start");
             clear = at + width(text, TICK_SIZE) + 16.0;
         }
-        self.draw_axes(svg, frame);
+        self.draw_axes(svg, frame, numbers);
         if let Some(density) = self.density() {
             density.draw_bar(svg, [left + frame_width, top, frame_height], TICK_SIZE, id);
         }
@@ -289,7 +293,7 @@ impl Panel {
         Ok(())
     }
 
-    fn draw_axes(&self, svg: &mut String, [left, top, frame_width, frame_height]: [f64; 4]) {
+    fn draw_axes(&self, svg: &mut String, [left, top, frame_width, frame_height]: [f64; 4], numbers: f64) {
         let bottom = top + frame_height;
         for tick in x_ticks(&self.x, frame_width) {
             let x = left + self.x.part(tick.value) * frame_width;
@@ -298,16 +302,14 @@ impl Panel {
                 words(svg, &tick.label, x, bottom + 9.0 + TICK_SIZE, TICK_SIZE, "middle");
             }
         }
-        let y_ticks = y_ticks(&self.y, frame_height);
-        for tick in &y_ticks {
+        for tick in y_ticks(&self.y, frame_height) {
             let y = bottom - self.y.part(tick.value) * frame_height;
             line(svg, [left - 6.0, y, left, y], 1.0);
             words(svg, &tick.label, left - 10.0, y + 0.36 * TICK_SIZE, TICK_SIZE, "end");
         }
-        let tick_width = widest(y_ticks.iter().map(|tick| tick.label.as_str()), TICK_SIZE);
         let y_lines = wrap(&self.y.label, LABEL_SIZE, frame_height);
         for (index, text) in y_lines.iter().enumerate() {
-            let x = left - 10.0 - tick_width - 8.0 - (y_lines.len() - 1 - index) as f64 * LINE;
+            let x = left - numbers - (y_lines.len() - 1 - index) as f64 * LINE;
             upright(svg, text, x, top + 0.5 * frame_height, LABEL_SIZE);
         }
         let mut y = bottom;
@@ -423,6 +425,12 @@ fn x_ticks(scale: &Scale, length: f64) -> Vec<Tick> {
         .unwrap_or_else(|| ticks(scale.low, scale.high, 2))
 }
 
+/// Ticks at a comfortable distance, or closer where a low frame would have fewer than three.
 fn y_ticks(scale: &Scale, length: f64) -> Vec<Tick> {
-    ticks(scale.low, scale.high, ((length / 48.0) as usize).max(2))
+    let comfortable = ((length / 48.0) as usize).max(2);
+    let closest = ((length / (1.5 * TICK_SIZE)) as usize).max(comfortable);
+    (comfortable..=closest)
+        .map(|most| ticks(scale.low, scale.high, most))
+        .find(|ticks| ticks.len() >= 3)
+        .unwrap_or_else(|| ticks(scale.low, scale.high, comfortable))
 }

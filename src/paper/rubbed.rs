@@ -12,7 +12,7 @@ use crate::grid::Grid;
 use crate::measurement::{Class, Measurement};
 use crate::output::histories::{self, Course, courses, curve};
 use crate::output::panel::Panel;
-use crate::output::sheet::{BESIDE, Sheet};
+use crate::output::sheet::Sheet;
 use crate::output::{PROGRAM, caption, charts};
 use crate::parameters::{Parameter, ParameterSet};
 use crate::sweep::Backends;
@@ -97,76 +97,73 @@ fn motion(m: &Measurement) -> Value {
 const TRANSIENT: u32 = 150;
 const SHOWN: u32 = 4;
 
+/// A curve of figure 5.1: its number, amplitude and gamma, and what the paper calls its motion.
+type Orbit = (u32, f64, f64, &'static str);
+
+/// The chaotic one first, so that the others lie over it.
+const ORBITS: [Orbit; 4] = [
+    (2, HIGH, 0.0, "chaotic"),
+    (1, LOW, 0.0, "regular"),
+    (3, LOW, HEATED, "subharmonic, omega_0/2"),
+    (4, HIGH, HEATED, "periodic"),
+];
+
+/// Digits that are written of an exponent.
+const DIGITS: usize = 4;
+
 pub fn figure_5_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<Outcome>, PaperError> {
     let work = Work::new(effort);
-    let (mut panels, mut rows, mut data) = (Vec::new(), Vec::new(), Vec::new());
-    for (letter, gamma, numbers) in [("a", 0.0, [1, 2]), ("b", HEATED, [3, 4])] {
-        let said = match letter {
-            "a" => ["regular", "chaotic"],
-            _ => ["subharmonic, omega_0/2", "periodic"],
+    let (mut orbits, mut rows, mut columns) = (Vec::new(), Vec::new(), table(&["curve", "tau", "x", "y"]));
+    for (number, zeta_k, gamma, said) in ORBITS {
+        let point = curve_at(zeta_k, gamma, 0.0);
+        let Some(m) = measured(&work, &point, observer)? else {
+            return Ok(None);
         };
-        let mut orbits = Vec::new();
-        let mut columns = Data {
-            panel: letter.to_owned(),
-            columns: ["curve", "tau", "x", "y"].map(str::to_owned).to_vec(),
-            rows: Vec::new(),
-        };
-        for ((zeta_k, number), said) in [LOW, HIGH].into_iter().zip(numbers).zip(said) {
-            let point = curve_at(zeta_k, gamma, 0.0);
-            let Some(m) = measured(&work, &point, observer)? else {
-                return Ok(None);
-            };
-            let is_chaotic = m.class == Some(Class::Chaotic);
-            let shown = if is_chaotic { work.shown } else { SHOWN };
-            let history = work.follow(&point, TRANSIENT + shown);
-            if observer().is_break() {
-                return Ok(None);
-            }
-            let path: Vec<PathPoint> = tail(&history.samples, TRANSIENT, work.samples);
-            columns.rows.extend(
-                path.iter()
-                    .map(|point| vec![f64::from(number), point.tau, point.x, point.y]),
-            );
-            // below the others: a chaotic orbit fills much of the frame
-            orbits.insert(0, (name(number, zeta_k), path));
-            let what = words_of(zeta_k, gamma, 0.0);
-            let computed = if gamma > 0.0 {
-                motion(&m)
-            } else {
-                Value::words(m.class.map_or("-", Class::name))
-            };
-            rows.push(Row::new(&format!("motion at {what}"), Value::words(said), computed, ""));
-            rows.push(Row::new(
-                &format!("maximal exponent at {what}"),
-                Value::Nothing,
-                Value::uncertain(m.lyapunov, m.lyapunov_error, 4),
-                if gamma > 0.0 {
-                    "of the full state, heat modes among it"
-                } else {
-                    ""
-                },
-            ));
+        let is_chaotic = m.class == Some(Class::Chaotic);
+        let shown = if is_chaotic { work.shown } else { SHOWN };
+        let history = work.follow(&point, TRANSIENT + shown);
+        if observer().is_break() {
+            return Ok(None);
         }
-        let title = format!("({letter}) {}", caption::assignment(Parameter::Gamma, gamma));
-        panels.push(charts::phase(&title, &orbits, Some(ANGLES), Some(SPEEDS)));
-        data.push(columns);
+        let path = tail(&history.samples, TRANSIENT, work.samples);
+        let table_rows = path
+            .iter()
+            .map(|point| vec![f64::from(number), point.tau, point.x, point.y]);
+        columns.rows.extend(table_rows);
+        let heat = caption::assignment(Parameter::Gamma, gamma);
+        orbits.push((format!("{}, {heat}", name(number, zeta_k)), path));
+        let what = words_of(zeta_k, gamma, 0.0);
+        let (computed, remark) = if gamma > 0.0 {
+            (motion(&m), "of the full state, with the heat modes")
+        } else {
+            (Value::words(m.class.map_or("-", Class::name)), "")
+        };
+        rows.push(Row::new(&format!("motion, {what}"), Value::words(said), computed, ""));
+        // where all written digits are sure, there is no uncertainty to write
+        let exponent = if m.lyapunov_error < 0.5e-4 {
+            Value::number(m.lyapunov, DIGITS)
+        } else {
+            Value::uncertain(m.lyapunov, m.lyapunov_error, DIGITS)
+        };
+        rows.push(Row::new(
+            &format!("maximal exponent, {what}"),
+            Value::Nothing,
+            exponent,
+            remark,
+        ));
     }
     let numerics = format!(
-        "After {TRANSIENT} forcing periods; {} of a chaotic orbit, {SHOWN} of others.",
+        "After {TRANSIENT} forcing periods; {} of a chaotic orbit, {SHOWN} of others. ",
         work.shown
     );
-    let sheet = Sheet {
-        panels,
-        columns: 2,
-        frame: BESIDE,
-        caption: words(&[Parameter::Gamma], 0.0, "5.1", &numerics),
-    };
-    Ok(Some(Outcome { sheet, rows, data }))
+    let panel = charts::phase("", &orbits, Some(ANGLES), Some(SPEEDS));
+    let caption = words(&curve_at(HIGH, 0.0, 0.0), &[Parameter::Gamma], "5.1", &numerics);
+    Ok(Some(single(panel, caption, rows, columns)))
 }
 
-/// The paper's axes of phi and phi-dot, whose ticks end at 2 and at 4.
-const ANGLES: [f64; 2] = [-2.2, 2.2];
-const SPEEDS: [f64; 2] = [-4.6, 4.6];
+/// The paper's axes of phi and phi-dot, whose ticks end at 2 and at 4; curve 4 goes further.
+const ANGLES: [f64; 2] = [-2.5, 2.5];
+const SPEEDS: [f64; 2] = [-4.5, 4.5];
 
 fn measured(work: &Work, point: &ParameterSet, observer: &mut Observer<'_>) -> Result<Option<Measurement>, PaperError> {
     let grid = Grid {
@@ -220,11 +217,11 @@ pub fn figure_5_2(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
                 is_dashed,
             });
         }
-        columns.rows.extend(
-            samples
-                .iter()
-                .map(|sample| vec![f64::from(number), sample.tau, sample.pressure, sample.wear]),
-        );
+        let table_rows = samples
+            .iter()
+            .take_while(|sample| sample.tau <= PRESSURES_END)
+            .map(|sample| vec![f64::from(number), sample.tau, sample.pressure, sample.wear]);
+        columns.rows.extend(table_rows);
         let what = words_of(zeta_k, 0.0, WORN);
         let (pressure, wear) = samples.last().map_or((f64::NAN, f64::NAN), |s| (s.pressure, s.wear));
         let is_near = pressure.abs() < NEAR && (wear - 1.0).abs() < NEAR;
@@ -253,15 +250,8 @@ pub fn figure_5_2(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
         Some([0.0, PRESSURES_END]),
         Some([0.0, 1.0]),
     );
-    Ok(Some(single(
-        panel,
-        &[Parameter::Gamma],
-        0.0,
-        WORN,
-        "5.2",
-        rows,
-        columns,
-    )))
+    let caption = words(&curve_at(HIGH, 0.0, WORN), &[], "5.2", "");
+    Ok(Some(single(panel, caption, rows, columns)))
 }
 
 /// The end of figure 5.2's axis of time.
@@ -322,7 +312,8 @@ pub fn figure_5_3(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
         Some([0.0, CONTACT_END]),
         Some([0.0, 100.0]),
     );
-    Ok(Some(single(panel, &[], HEATED, WORN, "5.3", rows, columns)))
+    let caption = words(&curve_at(HIGH, HEATED, WORN), &[], "5.3", "");
+    Ok(Some(single(panel, caption, rows, columns)))
 }
 
 pub fn figure_5_4(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<Outcome>, PaperError> {
@@ -380,15 +371,8 @@ pub fn figure_5_4(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
         }
     }
     let panel = courses(histories::WEAR, &drawn, Some([0.0, CONTACT_END]), Some([0.0, 32.0]));
-    Ok(Some(single(
-        panel,
-        &[Parameter::Gamma],
-        HEATED,
-        WORN,
-        "5.4",
-        rows,
-        columns,
-    )))
+    let caption = words(&curve_at(HIGH, HEATED, WORN), &[Parameter::Gamma], "5.4", "");
+    Ok(Some(single(panel, caption, rows, columns)))
 }
 
 fn table(columns: &[&str]) -> Data {
@@ -419,11 +403,7 @@ fn at_time(samples: &[Sample], tau: f64, value: fn(&Sample) -> f64) -> Option<f6
 }
 
 /// A figure of one panel.
-fn single(panel: Panel, varied: &[Parameter], gamma: f64, k_w: f64, id: &str, rows: Vec<Row>, data: Data) -> Outcome {
-    let mut caption = words(varied, k_w, id, "");
-    if !varied.contains(&Parameter::Gamma) {
-        caption[0] = fixed(varied, gamma, k_w);
-    }
+fn single(panel: Panel, caption: Vec<String>, rows: Vec<Row>, data: Data) -> Outcome {
     Outcome {
         sheet: Sheet::single(panel, caption),
         rows,
@@ -431,24 +411,19 @@ fn single(panel: Panel, varied: &[Parameter], gamma: f64, k_w: f64, id: &str, ro
     }
 }
 
-fn fixed(varied: &[Parameter], gamma: f64, k_w: f64) -> String {
-    let shown: Vec<Parameter> = [Parameter::ZetaK, Parameter::RampRate]
-        .into_iter()
-        .chain(varied.iter().copied())
-        .collect();
-    charts::fixed(&curve_at(HIGH, gamma, k_w), &shown)
-}
-
-fn words(varied: &[Parameter], k_w: f64, id: &str, numerics: &str) -> Vec<String> {
+/// The caption of a figure whose curves differ in zeta_k and in what is `varied`.
+fn words(at: &ParameterSet, varied: &[Parameter], id: &str, numerics: &str) -> Vec<String> {
     let settings = Settings::default()
         .for_model(true)
         .expect("the default scheme suits every model");
-    let after = if numerics.is_empty() { "" } else { " " };
+    // there is no ramp
+    let mut shown = vec![Parameter::ZetaK, Parameter::RampRate];
+    shown.extend(varied);
     vec![
-        fixed(varied, 0.0, k_w),
+        charts::fixed(at, &shown),
         format!(
-            "{numerics}{after}Biot number, ω̃ and the initial state are not in the paper, and reconstructed. {}, {} heat \
-             modes. As figure {id} of Awrejcewicz and Pyryev (2006). {PROGRAM}.",
+            "{numerics}Biot number, ω̃ and the initial state are not in the paper, and reconstructed. {}, {} heat modes. As \
+             figure {id} of Awrejcewicz and Pyryev (2006). {PROGRAM}.",
             caption::scheme(&settings),
             settings.modes
         ),
