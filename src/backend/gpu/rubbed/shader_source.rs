@@ -74,7 +74,7 @@ fn write_out(text: &str, slots: usize) -> String {
 }
 
 /// Values of the shader's `override` constants, so that each is defined in one place.
-pub fn constants(workgroup_size: u32, carries_tangent: bool) -> [(&'static str, f64); 16] {
+pub fn constants(workgroup_size: u32, carries_tangent: bool) -> [(&'static str, f64); 17] {
     [
         ("WORKGROUP_SIZE", f64::from(workgroup_size)),
         ("CARRIES_TANGENT", f64::from(u8::from(carries_tangent))),
