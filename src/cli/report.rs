@@ -104,7 +104,7 @@ pub fn summary(map: &ParameterMap, computed: usize, elapsed: Duration, devices: 
     );
     if under_resolved > 0 {
         let remedy = match settings.scheme() {
-            Scheme::Taylor => "their motion is too stiff for this scheme within its least step or most steps a period",
+            Scheme::Taylor | Scheme::Radau => "their motion asks for more, or shorter, steps than the scheme may take",
             Scheme::Rk4 => "use more --steps-per-period or a smaller --renormalise-every",
         };
         let _ = writeln!(text, "warning: {under_resolved} points are under-resolved: {remedy}");

@@ -17,7 +17,7 @@ pub use self::instructions::InstructionSet;
 use self::radau::RadauBlock;
 use self::rk4::Rk4Block;
 use self::taylor::TaylorBlock;
-use super::{Backend, BackendError, EndState, Slice, Sums};
+use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
 use crate::experiment::{Precision, Scheme, Settings};
 use crate::lanes::{Real, Wide};
 use crate::measurement::BackendKind;
@@ -167,9 +167,13 @@ trait Block: Send + Sync + Sized {
     /// A block of at most [`Block::INSTANCES`] instances; it is filled up with copies of the last one.
     fn new(settings: &Settings, instances: &[ParameterSet]) -> Self;
 
-    /// Carries the block on by a slice. It must be `#[inline(always)]`, as is all that it calls in its loops, so that it
-    /// is compiled for its caller's instruction set.
-    fn advance(&mut self, run: &Self::Run, slice: &Slice);
+    /// Carries the motion alone on by a slice. As the next function, it must be `#[inline(always)]`, as is all that it calls
+    /// in its loops, so that it is compiled for its caller's instruction set; and it should hold a scheme's step only
+    /// once, since compilers take much longer over twice as much in one function.
+    fn advance_plain(&mut self, run: &Self::Run, slice: &Slice);
+
+    /// Carries motion and tangent vectors on by a slice, and sums up where its stage is to be measured.
+    fn advance_tangent(&mut self, run: &Self::Run, slice: &Slice);
 
     /// Sums of an instance since they were last cleared.
     fn sums(&self, index: usize) -> Sums;
@@ -179,11 +183,17 @@ trait Block: Send + Sync + Sized {
 
 /// An instruction set that blocks are compiled for.
 trait Instructions: 'static {
-    /// [`Block::advance`] with these instructions.
+    /// [`Block::advance_plain`] with these instructions.
     ///
     /// # Safety
     /// The machine must have them.
-    unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice);
+    unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice);
+
+    /// [`Block::advance_tangent`] with these instructions.
+    ///
+    /// # Safety
+    /// The machine must have them.
+    unsafe fn tangent<B: Block>(block: &mut B, run: &B::Run, slice: &Slice);
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -195,22 +205,33 @@ struct Portable;
 #[cfg(target_arch = "x86_64")]
 impl Instructions for Avx512 {
     #[target_feature(enable = "avx512f,avx2,fma")]
-    unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
-        block.advance(run, slice);
+    unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        block.advance_plain(run, slice);
+    }
+    #[target_feature(enable = "avx512f,avx2,fma")]
+    unsafe fn tangent<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        block.advance_tangent(run, slice);
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 impl Instructions for Avx2 {
     #[target_feature(enable = "avx2,fma")]
-    unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
-        block.advance(run, slice);
+    unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        block.advance_plain(run, slice);
+    }
+    #[target_feature(enable = "avx2,fma")]
+    unsafe fn tangent<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        block.advance_tangent(run, slice);
     }
 }
 
 impl Instructions for Portable {
-    unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
-        block.advance(run, slice);
+    unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        block.advance_plain(run, slice);
+    }
+    unsafe fn tangent<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        block.advance_tangent(run, slice);
     }
 }
 
@@ -244,9 +265,13 @@ impl<I: Instructions, B: Block> Blocks<I, B> {
 impl<I: Instructions, B: Block> Batch for Blocks<I, B> {
     fn advance(&mut self, slice: &Slice) {
         let run = &self.run;
+        let advance = match slice.stage {
+            Stage::Transient => I::plain::<B>,
+            Stage::Align | Stage::Measure => I::tangent::<B>,
+        };
         self.blocks.par_iter_mut().for_each(|block| {
             // SAFETY: `CpuBackend` pairs lanes and instructions with the set that it has found available.
-            unsafe { I::advance(block, run, slice) };
+            unsafe { advance(block, run, slice) };
         });
     }
 

@@ -63,19 +63,19 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
     }
 
     #[inline(always)]
-    fn advance(&mut self, run: &Run<R>, slice: &Slice) {
+    fn advance_plain(&mut self, run: &Run<R>, slice: &Slice) {
         for n in 0..slice.periods {
-            match slice.stage {
-                Stage::Transient => self.period(run),
-                Stage::Align => {
-                    self.period_with_tangent(run);
-                }
-                Stage::Measure => self.measured_period(run, slice.first + n),
-            }
-            let period = slice.elapsed + n + 1;
-            self.record
-                .note_runaways(self.orbit.x, self.orbit.y(&self.system), period);
-            self.note_given_up(period);
+            self.period(run);
+            self.note_ends(slice.elapsed + n + 1);
+        }
+    }
+
+    #[inline(always)]
+    fn advance_tangent(&mut self, run: &Run<R>, slice: &Slice) {
+        let is_measured = slice.stage == Stage::Measure;
+        for n in 0..slice.periods {
+            self.period_with_tangent(run, is_measured.then_some(slice.first + n));
+            self.note_ends(slice.elapsed + n + 1);
         }
     }
 
@@ -111,28 +111,33 @@ impl<R: Real> RadauBlock<R> {
             .period(&self.system, &run.control, &mut self.peaks, None, &mut self.scratch);
     }
 
-    /// One forcing period with a tangent vector; returns the logarithm of the vector's growth.
+    /// One forcing period with a tangent vector; summed up if it has an index among the measured ones.
     #[inline(always)]
-    fn period_with_tangent(&mut self, run: &Run<R>) -> R {
+    fn period_with_tangent(&mut self, run: &Run<R>, measured: Option<u32>) {
+        if measured == Some(0) {
+            self.orbit.extremes = [self.orbit.x; 2];
+        }
         let tangent = Some(&mut self.tangent);
         self.orbit
             .period(&self.system, &run.control, &mut self.peaks, tangent, &mut self.scratch);
-        self.tangent.normalise(&self.system).ln()
-    }
-
-    #[inline(always)]
-    fn measured_period(&mut self, run: &Run<R>, index: u32) {
-        if index == 0 {
-            self.orbit.extremes = [self.orbit.x; 2];
-        }
         let zero = R::splat(0.0);
         let growth = Growth {
-            first: self.period_with_tangent(run),
+            first: self.tangent.normalise(&self.system).ln(),
             second: zero,
         };
-        let (x, y) = (self.orbit.x, self.orbit.y(&self.system));
-        self.record.add(&run.measuring, index, growth, zero, x, y);
-        [self.record.x_min, self.record.x_max] = self.orbit.extremes;
+        if let Some(index) = measured {
+            let (x, y) = (self.orbit.x, self.orbit.y(&self.system));
+            self.record.add(&run.measuring, index, growth, zero, x, y);
+            [self.record.x_min, self.record.x_max] = self.orbit.extremes;
+        }
+    }
+
+    /// Notes what ended in `period`, counted from 1.
+    #[inline(always)]
+    fn note_ends(&mut self, period: u32) {
+        self.record
+            .note_runaways(self.orbit.x, self.orbit.y(&self.system), period);
+        self.note_given_up(period);
     }
 
     /// Notes lanes that the scheme gave up in `period`, counted from 1.
