@@ -235,6 +235,35 @@ impl Settings {
     }
 }
 
+/// A set of values by name, which a request starts from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    /// Section 5 of the paper. It leaves out biot, omega_tilde, the fit and the initial state: these are reconstructed, as
+    /// the values with which the paper's figures come out.
+    Paper,
+}
+
+impl Preset {
+    pub fn from_name(name: &str) -> Option<Self> {
+        (name == "paper").then_some(Self::Paper)
+    }
+
+    pub fn values(self) -> &'static [(Parameter, f64)] {
+        match self {
+            Self::Paper => &[
+                (Parameter::H1, 0.5),
+                (Parameter::Gamma, 1.87),
+                (Parameter::KW, 0.01),
+                (Parameter::Biot, 10.0),
+                (Parameter::OmegaTilde, 0.1),
+                (Parameter::RampRate, f64::INFINITY),
+                (Parameter::X0, 0.0),
+                (Parameter::Y0, 0.0),
+            ],
+        }
+    }
+}
+
 /// A request as it is written in a file: everything may be left out. [`Request::resolve`] makes it an
 /// [`Experiment`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -366,6 +395,11 @@ impl Experiment {
     /// Whether there is frictional heat or wear anywhere in the grid: the pressure is then no constant.
     pub fn is_rubbed(&self) -> bool {
         self.extent(Parameter::Gamma).1 > 0.0 || self.extent(Parameter::KW).1 > 0.0
+    }
+
+    /// Whether the contact wears anywhere in the grid.
+    pub fn wears(&self) -> bool {
+        self.extent(Parameter::KW).1 > 0.0
     }
 
     /// Whether f32 can carry the experiment.

@@ -332,6 +332,15 @@ quantity_table! {
 impl Quantity {
     pub const COUNT: usize = QUANTITIES.len();
 
+    /// What a map of instances that wear, or that do not, is drawn of unless asked otherwise.
+    pub fn drawn(wears: bool) -> &'static [Self] {
+        if wears {
+            &[Self::Lyapunov, Self::ContactTime, Self::FinalWear]
+        } else {
+            &[Self::Lyapunov, Self::Period]
+        }
+    }
+
     /// The quantity's row of the table.
     pub fn info(self) -> &'static QuantityInfo {
         &QUANTITIES[self as usize]

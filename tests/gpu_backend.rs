@@ -25,7 +25,7 @@ fn measure(backend: &mut dyn Backend, settings: &Settings, instances: &[Paramete
 
 fn cheap() -> Settings {
     Settings {
-        steps_per_period: 100,
+        steps_per_period: Some(100),
         transient_periods: 20,
         align_periods: 10,
         periods: 40,
@@ -47,7 +47,7 @@ fn a_batch_of_more_workgroups_than_a_dispatch_may_have_is_carried_on_whole() {
         return;
     };
     let settings = Settings {
-        steps_per_period: 8,
+        steps_per_period: Some(8),
         ..Settings::default()
     };
     let instances = line(70_000);
@@ -239,7 +239,7 @@ fn what_the_gpu_cannot_do_is_refused_with_a_remedy() {
         error.to_string()
     };
     let many_steps = |steps_per_period| Settings {
-        steps_per_period,
+        steps_per_period: Some(steps_per_period),
         ..Settings::default()
     };
     let message = refusal(&many_steps(8193), &[set]);

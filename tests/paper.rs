@@ -47,7 +47,7 @@ const ONSETS: [Onset; 4] = [
 /// Scans from 0.4 below to 0.02 above the expected onset.
 fn first_chaos(onset: &Onset, precision: Precision, steps_per_period: u32) -> Option<f64> {
     let settings = Settings {
-        steps_per_period,
+        steps_per_period: Some(steps_per_period),
         transient_periods: 380,
         periods: 100,
         renormalise_every: steps_per_period / 4,

@@ -46,7 +46,7 @@ fn short_trajectories_part_no_faster_than_roundings_add_up() {
                         .fold((a.divergence - b.divergence).abs(), f64::max)
                 })
                 .fold(0.0, f64::max);
-            let bound = 1.5e-7 * f64::from(settings.steps_per_period * (first + 1));
+            let bound = 1.5e-7 * f64::from(settings.steps_per_period() * (first + 1));
             assert!(worst < bound, "{precision:?}, period {first}: {worst}");
             // the tangent vectors feel where in a step the layer's boundary is crossed
             assert!(worst_sum < 10.0 * bound, "{precision:?}, period {first}: {worst_sum}");

@@ -74,6 +74,8 @@ impl MapArgs {
             }
         }
         self.experiment.apply(&mut request);
+        let axes = [request.x.parameter, request.y.parameter];
+        self.experiment.leave_free(&axes, &mut request);
         request.settings.audit = self.audit.or(request.settings.audit);
         request.out = self.out.clone().or(request.out);
         Ok(request)

@@ -90,7 +90,8 @@ impl Outputs {
             bail!("`{text}` names no file: give --out a name such as outputs/map");
         }
         picture::check_size(experiment, &Style::default())?;
-        let pictures = [Quantity::Lyapunov, Quantity::Period].map(|quantity| self.picture(quantity));
+        let drawn = Quantity::drawn(experiment.wears());
+        let pictures: Vec<PathBuf> = drawn.iter().map(|&quantity| self.picture(quantity)).collect();
         for file in pictures.iter().chain([&self.threshold()]) {
             if file.is_dir() {
                 bail!("{} is a folder: move it away, or give another --out", file.display());
@@ -144,7 +145,7 @@ impl Outputs {
                 self.threshold().display()
             );
         }
-        for quantity in [Quantity::Lyapunov, Quantity::Period] {
+        for &quantity in Quantity::drawn(experiment.wears()) {
             let path = self.picture(quantity);
             if path.exists() && png::read_experiment(&path).ok() != Some(experiment.to_toml()) {
                 bail!(
@@ -156,15 +157,18 @@ impl Outputs {
         Ok(())
     }
 
-    /// Draws the exponent's and the period's picture and writes the threshold; returns the files.
+    /// Draws the pictures that a map has unless asked otherwise, and writes the threshold; returns the files.
     pub fn draw(&self, map: &ParameterMap, style: &Style) -> anyhow::Result<Vec<PathBuf>> {
-        let mut files = vec![self.draw_quantity(map, Quantity::Lyapunov, style)?];
-        // limits are those of the exponent
-        let period_style = Style {
-            limits: None,
-            ..style.clone()
-        };
-        files.push(self.draw_quantity(map, Quantity::Period, &period_style)?);
+        let mut files = Vec::new();
+        for &quantity in Quantity::drawn(map.experiment.wears()) {
+            // limits are those of the exponent
+            let limits = style.limits.filter(|_| quantity == Quantity::Lyapunov);
+            let style = Style {
+                limits,
+                ..style.clone()
+            };
+            files.push(self.draw_quantity(map, quantity, &style)?);
+        }
         csv::write_threshold(&self.threshold(), map)?;
         files.push(self.threshold());
         Ok(files)

@@ -45,6 +45,8 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
     let [x0, y0] = m.initial_state;
     let instance = experiment.grid.point(0).with(Parameter::X0, x0).with(Parameter::Y0, y0);
     let spectrum = match m.status {
+        // the paper's spectrum is that of a constant pressure
+        _ if instance.is_rubbed() => None,
         Status::Ok | Status::UnderResolved => lyapunov_spectrum(&instance, &experiment.settings),
         Status::Runaway { .. } => None,
     };
@@ -70,6 +72,7 @@ fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) 
         "class": m.class,
         "lyapunov": m.lyapunov,
         "lyapunov_error": m.lyapunov_error,
+        "lyapunov_interval": m.lyapunov_interval,
         "lyapunov_second": m.lyapunov_second,
         "divergence": m.divergence,
         "spectrum": spectrum,
@@ -78,6 +81,12 @@ fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) 
         "y": m.y,
         "x_min": m.x_min,
         "x_max": m.x_max,
+        "contact_status": m.contact.status_name(),
+        "contact_time": m.contact.lost,
+        "peak_pressure": m.contact.peak_pressure,
+        "peak_pressure_time": m.contact.peak_pressure_time,
+        "final_wear": m.contact.final_wear,
+        "peak_temperature": m.contact.peak_temperature,
     });
     if let Status::Runaway { time } = m.status {
         object["runaway_time"] = time.into();
@@ -103,13 +112,23 @@ fn print(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) {
         "class               {}",
         m.class.map_or("-", tribochaos::measurement::Class::name)
     );
-    say!("maximal exponent    {:.6} +- {:.6}", m.lyapunov, m.lyapunov_error);
-    say!("second exponent     {:.6}", m.lyapunov_second);
-    say!(
-        "mean divergence     {:.6}  (sum of the exponents less this: {:.1e})",
-        m.divergence,
-        m.divergence_defect()
-    );
+    if m.lyapunov_error.is_nan() {
+        say!(
+            "maximal exponent    {:.6}  (of finite time, over {:.4} tau)",
+            m.lyapunov,
+            m.lyapunov_interval
+        );
+    } else {
+        say!("maximal exponent    {:.6} +- {:.6}", m.lyapunov, m.lyapunov_error);
+    }
+    if !m.divergence.is_nan() {
+        say!("second exponent     {:.6}", m.lyapunov_second);
+        say!(
+            "mean divergence     {:.6}  (sum of the exponents less this: {:.1e})",
+            m.divergence,
+            m.divergence_defect()
+        );
+    }
     if let Some([first, second, third]) = spectrum {
         say!("spectrum (3.6)      {first:.6} {second:.6} {third:.6}");
     }
@@ -119,6 +138,20 @@ fn print(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) {
     );
     say!("x, y                {:.9} {:.9}  (last stroboscopic state)", m.x, m.y);
     say!("extremes of x       {:.6} {:.6}", m.x_min, m.x_max);
+    if settings.scheme().carries_heat() {
+        let contact = &m.contact;
+        match contact.lost {
+            Some(time) => say!("contact             lost at tau = {time:.4}"),
+            None => say!("contact             held to the end of the run"),
+        }
+        say!(
+            "peak pressure       {:.5} at tau = {:.4}",
+            contact.peak_pressure,
+            contact.peak_pressure_time
+        );
+        say!("final wear          {:.5}", contact.final_wear);
+        say!("peak temperature    {:.3}  (of the surface)", contact.peak_temperature);
+    }
     if settings.initial_states > 1 {
         say!(
             "chaotic fraction    {} of {} initial states",

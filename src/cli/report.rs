@@ -83,6 +83,17 @@ pub fn summary(map: &ParameterMap, computed: usize, elapsed: Duration, devices: 
     let under_resolved = (0..points).filter(|&index| map.is_under_resolved(index)).count();
     let computed = (0..points).filter(|&index| map.is_computed(index)).count();
     let _ = writeln!(text, "class:  {}", classes.join(", "));
+    let counted = |quantity, code| map.column(quantity).iter().filter(|value| **value == code).count();
+    if map.experiment.wears() {
+        let transient = (0..points)
+            .filter(|&index| map.is_computed(index) && map.class(index).is_none())
+            .count()
+            .saturating_sub(runaways + under_resolved);
+        let _ = writeln!(text, "        transient, since the contact wears: {}", share(transient));
+        let lost = counted(Quantity::ContactStatus, 1.0);
+        let held = counted(Quantity::ContactStatus, 0.0);
+        let _ = writeln!(text, "contact: lost {}, held to the end {}", share(lost), share(held));
+    }
     let _ = writeln!(
         text,
         "status: ok {}, runaway {}, under-resolved {}",
@@ -98,16 +109,22 @@ pub fn summary(map: &ParameterMap, computed: usize, elapsed: Duration, devices: 
         .filter(|(index, _)| !map.is_under_resolved(*index))
         .map(|(_, ((first, second), divergence))| (first + second - divergence).abs())
         .fold(0.0, f64::max);
-    let _ = writeln!(
-        text,
-        "check:  sum of the exponents = mean divergence to {defect:.1e} at every resolved point"
-    );
+    if !settings.scheme().carries_heat() {
+        let _ = writeln!(
+            text,
+            "check:  sum of the exponents = mean divergence to {defect:.1e} at every resolved point"
+        );
+    }
     if under_resolved > 0 {
         let remedy = match settings.scheme() {
-            Scheme::Taylor | Scheme::Radau => "their motion asks for more, or shorter, steps than the scheme may take",
+            Scheme::Taylor => "their motion is too stiff for this scheme within its least step or most steps a period",
+            Scheme::Radau => "their motion needs shorter steps, or more of them in a period, than there may be",
             Scheme::Rk4 => "use more --steps-per-period or a smaller --renormalise-every",
         };
         let _ = writeln!(text, "warning: {under_resolved} points are under-resolved: {remedy}");
+    }
+    if map.experiment.wears() {
+        return text;
     }
     let onsets = threshold(map);
     let count = |matches: fn(&OnsetKind) -> bool| onsets.iter().filter(|onset| matches(&onset.kind)).count();

@@ -10,7 +10,7 @@ use clap::Args;
 use serde::Deserialize;
 use serde::de::IntoDeserializer;
 use serde::de::value::{Error as ValueError, StrDeserializer};
-use tribochaos::experiment::{BackendChoice, Precision, Request, Scheme};
+use tribochaos::experiment::{BackendChoice, Precision, Preset, Request, Scheme};
 use tribochaos::grid::Axis;
 use tribochaos::parameters::{PARAMETERS, Parameter};
 
@@ -20,14 +20,25 @@ pub struct ExperimentArgs {
     /// Value of a parameter that is no axis; may be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(Parameter, f64)>,
-    /// Stepping scheme: taylor, whose steps end at the friction layer's boundaries, or rk4, the paper's fixed step
-    /// [default: taylor]
+    /// The paper's section 5, as reconstructed: biot 10, omega_tilde 0.1, no ramp, x0 = y0 = 0, h1 0.5, gamma 1.87,
+    /// k_w 0.01. --set and axes go over it
+    #[arg(long, value_name = "paper", value_parser = preset)]
+    pub preset: Option<Preset>,
+    /// Stepping scheme: taylor, whose steps end at the friction layer's boundaries, rk4, the paper's fixed step, or radau,
+    /// which carries frictional heat and wear [default: radau where gamma or k_w is not 0, else taylor]
     #[arg(long, help_heading = "Numerical settings", value_parser = named::<Scheme>)]
     pub scheme: Option<Scheme>,
-    /// Steps in a forcing period [default: 28 of taylor, 628 of rk4]
+    /// Steps in a forcing period, of taylor and radau the longest ones [default: 28 of taylor, 628 of rk4, 16 of radau]
     #[arg(long, help_heading = "Numerical settings", value_name = "STEPS")]
     pub steps_per_period: Option<u32>,
-    /// Forcing periods before the measurement [default: 300]
+    /// Heat modes of the shaft, besides a lumped one for the rest [default: 12]
+    #[arg(long, help_heading = "Numerical settings", value_name = "M")]
+    pub modes: Option<u32>,
+    /// Error of a step of radau: of the sliding velocity (in the friction layer, over its half-width) and, relative, of
+    /// the pressure [default: 1e-4]
+    #[arg(long, help_heading = "Numerical settings", value_name = "ERROR")]
+    pub tolerance: Option<f64>,
+    /// Forcing periods before the measurement; none where the contact wears [default: 300]
     #[arg(long, help_heading = "Numerical settings", value_name = "PERIODS")]
     pub transient_periods: Option<u32>,
     /// Last periods of the transient, in which the tangent vectors turn to their directions [default: 50, or the whole of
@@ -66,6 +77,9 @@ pub struct ExperimentArgs {
 impl ExperimentArgs {
     /// Puts what was typed over `request`.
     pub fn apply(&self, request: &mut Request) {
+        for &(parameter, value) in self.preset.map_or(&[][..], Preset::values) {
+            request.set.insert(parameter.name().to_owned(), value);
+        }
         for &(parameter, value) in &self.set {
             request.set.insert(parameter.name().to_owned(), value);
         }
@@ -73,7 +87,7 @@ impl ExperimentArgs {
         macro_rules! apply {
             ($($field:ident)*) => { $(if let Some(value) = self.$field { settings.$field = value; })* };
         }
-        apply!(transient_periods align_periods periods renormalise_every period_tolerance
+        apply!(modes tolerance transient_periods align_periods periods renormalise_every period_tolerance
                initial_states initial_box seed backend);
         if self.align_periods.is_none() {
             settings.align_periods = settings.align_periods.min(settings.transient_periods);
@@ -87,6 +101,23 @@ impl ExperimentArgs {
         settings.precision = self.precision.or(settings.precision);
         settings.adapter = self.adapter.clone().or(settings.adapter.take());
     }
+}
+
+impl ExperimentArgs {
+    /// Takes the preset's values of parameters that are axes out of `request` again; those of --set stay, to be refused.
+    pub fn leave_free(&self, axes: &[Parameter], request: &mut Request) {
+        if self.preset.is_some() {
+            for axis in axes {
+                if self.set.iter().all(|(parameter, _)| parameter != axis) {
+                    request.set.remove(axis.name());
+                }
+            }
+        }
+    }
+}
+
+fn preset(text: &str) -> Result<Preset, String> {
+    Preset::from_name(text).ok_or_else(|| format!("there is no preset `{text}`: the one there is, is `paper`"))
 }
 
 /// Reads a request file.

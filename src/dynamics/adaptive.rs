@@ -7,7 +7,6 @@
 
 use std::f64::consts::TAU;
 
-use super::decay;
 use super::dense::Cubic;
 use super::radau::{self, Drive, ERROR_WEIGHT, Heat, Memory, ModeStep, NODES, Perturbation, Start, Trial};
 use crate::experiment::Settings;
@@ -101,14 +100,14 @@ impl<R: Real> System<R> {
     /// h_U at a time: 1 - exp(-delta tau^2), to rounding also where it is small.
     #[inline(always)]
     fn fit(&self, time: R) -> R {
-        let one = R::splat(1.0);
         if !self.ramps {
-            return one;
+            return R::splat(1.0);
         }
-        let infinite = R::splat(f64::from(f32::MAX)).less(self.rubbing.ramp_rate);
-        let rate = R::select(infinite, one, self.rubbing.ramp_rate);
-        let z = (rate * time * time).max(R::splat(1e-30));
-        R::select(infinite, one, z * decay::decay(z, one / z).moments[0])
+        // ramps are rare: lane by lane is fast enough
+        R::from_lanes(|lane| {
+            let time = time.lane(lane);
+            -(-self.rubbing.ramp_rate.lane(lane) * time * time.max(f64::MIN_POSITIVE)).exp_m1()
+        })
     }
 }
 
@@ -124,10 +123,12 @@ pub struct Orbit<R: Real> {
     heat: Heat<R>,
     /// 1 in contact, 0 in the gap.
     pub contact: R,
-    /// Drive phase: its sine and cosine, and the ticks left of the period.
+    /// Drive phase: its sine and cosine, and the ticks left to where the lanes meet.
     sin: R,
     cos: R,
     left: R::Ticks,
+    /// The tick of the period that the lanes are on their way to, or at.
+    to: u32,
     /// Completed periods.
     pub periods: R,
     /// Length of the next step, in ticks.
@@ -233,6 +234,7 @@ impl<R: Real> Orbit<R> {
             sin: zero,
             cos: one,
             left: R::Ticks::splat(0),
+            to: 0,
             periods: zero,
             step: R::splat(f64::from(FIRST_STEP)),
             piece: zero,
@@ -267,29 +269,31 @@ impl<R: Real> Orbit<R> {
         )
     }
 
-    /// u_w, between two forcing periods.
-    pub fn wear(&self, system: &System<R>) -> R {
-        system.fit(self.periods * system.period) - self.fit
+    /// Time since the start of the run.
+    pub fn time(&self, system: &System<R>) -> R {
+        self.periods
+            .mul_add(system.period, R::splat(f64::from(self.to)) * system.tick)
     }
 
-    /// Angular speed of the bush, between two forcing periods.
+    /// u_w.
+    pub fn wear(&self, system: &System<R>) -> R {
+        system.fit(self.time(system)) - self.fit
+    }
+
+    /// p, 0 in the gap.
+    pub fn pressure(&self) -> R {
+        self.contact * (self.fit + self.heat.pressure)
+    }
+
+    /// theta(1), the temperature of the shaft's surface.
+    pub fn surface_temperature(&self, system: &System<R>) -> R {
+        self.heat.falloff * system.surface_temperature
+    }
+
+    /// Angular speed of the bush.
     #[inline(always)]
     pub fn y(&self, system: &System<R>) -> R {
         system.rubbing.zeta_k.mul_add(self.sin, system.rubbing.omega_k) - self.v
-    }
-
-    /// Begins a forcing period, in all lanes that have not been given up.
-    #[inline(always)]
-    fn begin_period(&mut self) {
-        let (zero, one) = (R::splat(0.0), R::splat(1.0));
-        // the drive's phase is 0 exactly: rounding does not grow from period to period
-        self.sin = zero;
-        self.cos = one;
-        let alive = self
-            .under_resolved
-            .less(R::splat(0.5))
-            .and(self.runaway.less(R::splat(0.5)));
-        self.left = R::select(alive, R::splat(f64::from(TICKS)), zero).to_ticks();
     }
 
     /// One forcing period; a tangent vector is carried along if there is one.
@@ -299,10 +303,36 @@ impl<R: Real> Orbit<R> {
         system: &System<R>,
         control: &Control<R>,
         peaks: &mut Peaks<R>,
-        mut tangent: Option<&mut Tangent<R>>,
+        tangent: Option<&mut Tangent<R>>,
         scratch: &mut Scratch<R>,
     ) {
-        self.begin_period();
+        self.part_of_period(system, control, peaks, tangent, scratch, 0, 1);
+    }
+
+    /// Part `part` of `parts` equal parts of a forcing period, which follow one another from 0 on.
+    #[allow(clippy::too_many_arguments, reason = "what a step needs, and where it ends")]
+    #[inline(always)]
+    pub fn part_of_period(
+        &mut self,
+        system: &System<R>,
+        control: &Control<R>,
+        peaks: &mut Peaks<R>,
+        mut tangent: Option<&mut Tangent<R>>,
+        scratch: &mut Scratch<R>,
+        part: u32,
+        parts: u32,
+    ) {
+        let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
+        if part == 0 {
+            // the drive's phase is 0 exactly: rounding does not grow from period to period
+            self.sin = zero;
+            self.cos = one;
+        }
+        let ticks = |parts_done: u32| (u64::from(TICKS) * u64::from(parts_done) / u64::from(parts)) as u32;
+        let (from, to) = (ticks(part), ticks(part + 1));
+        let alive = self.under_resolved.less(half).and(self.runaway.less(half));
+        self.left = R::select(alive, R::splat(f64::from(to - from)), zero).to_ticks();
+        self.to = to;
         let mut passes = 0;
         while !self.left.all_zero() {
             self.pass(system, control, peaks, tangent.as_deref_mut(), scratch);
@@ -313,7 +343,10 @@ impl<R: Real> Orbit<R> {
                 self.left = R::Ticks::splat(0);
             }
         }
-        self.periods = self.periods + R::splat(1.0);
+        if part + 1 == parts {
+            self.periods = self.periods + one;
+            self.to = 0;
+        }
     }
 
     /// Tries one step in every lane.
@@ -335,7 +368,7 @@ impl<R: Real> Orbit<R> {
         let ticks = R::select(running, ticks, R::splat(f64::from(FIRST_STEP)));
         let h = ticks * system.tick;
 
-        let elapsed = (R::splat(f64::from(TICKS)) - left) * system.tick;
+        let elapsed = (R::splat(f64::from(self.to)) - left) * system.tick;
         let start = self.begin(system);
         let drive = self.drive(system, ticks, h, elapsed);
         let memory = Memory::new(

@@ -124,10 +124,7 @@ impl<R: Real> Real for Pair<R> {
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
-        Self(
-            self.0.mul_add(factor.0, addend.0),
-            self.1.mul_add(factor.1, addend.1),
-        )
+        Self(self.0.mul_add(factor.0, addend.0), self.1.mul_add(factor.1, addend.1))
     }
     #[inline(always)]
     fn abs(self) -> Self {

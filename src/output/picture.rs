@@ -84,7 +84,9 @@ pub fn lyapunov_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Fig
         Some(Class::Undecided) => Cell::Kind(1),
         Some(Class::Chaotic | Class::Regular) => Cell::Value(values[index]),
         None if map.is_under_resolved(index) => Cell::Kind(3),
-        None => Cell::Kind(2),
+        None if map.is_runaway(index) => Cell::Kind(2),
+        // an exponent of finite time
+        None => Cell::Value(values[index]),
     });
     let bar = bar(Quantity::Lyapunov, &cells, style)?;
     let onsets = if style.threshold { threshold(map) } else { Vec::new() };
@@ -119,6 +121,7 @@ pub fn period_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Figur
         Kind::new(colour::UNDECIDED, "undecided"),
         Kind::new(colour::RUNAWAY, "runaway"),
         Kind::new(colour::UNDER_RESOLVED, "under-resolved"),
+        Kind::new(colour::NOT_APPLICABLE, "transient, since the contact wears"),
     ]);
     let periods = map.column(Quantity::Period);
     let cells = cells(map, |index| {
@@ -129,7 +132,8 @@ pub fn period_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Figur
             Some(Class::Chaotic) => first_other + 2,
             Some(Class::Undecided) => first_other + 3,
             None if map.is_under_resolved(index) => first_other + 5,
-            None => first_other + 4,
+            None if map.is_runaway(index) => first_other + 4,
+            None => first_other + 6,
         })
     });
     let heading = "Period of the motion, in forcing periods:".to_owned();
@@ -149,10 +153,13 @@ fn attractors_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Figur
     let mut kinds = count_kinds();
     let runaway = kinds.len();
     kinds.push(Kind::new(colour::RUNAWAY, "runaway"));
+    kinds.push(Kind::new(colour::UNDER_RESOLVED, "under-resolved"));
     let counts = map.column(Quantity::Attractors);
     let kind = |index| {
         if map.is_runaway(index) {
             runaway
+        } else if map.is_under_resolved(index) {
+            runaway + 1
         } else {
             count_kind(counts[index])
         }
@@ -196,13 +203,19 @@ fn heading(quantity: Quantity) -> String {
 }
 
 fn number_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -> Result<Figure, FigureError> {
+    let missing = match quantity {
+        Quantity::ContactTime => "contact held",
+        _ => "not applicable",
+    };
     let kinds = vec![
-        Kind::new(colour::NOT_APPLICABLE, "not applicable"),
+        Kind::new(colour::NOT_APPLICABLE, missing),
         Kind::new(colour::RUNAWAY, "runaway"),
+        Kind::new(colour::UNDER_RESOLVED, "under-resolved"),
     ];
     let values = map.column(quantity);
     let cells = cells(map, |index| match values[index] {
         _ if map.is_runaway(index) && quantity != Quantity::RunawayTime => Cell::Kind(1),
+        _ if map.is_under_resolved(index) => Cell::Kind(2),
         value if value.is_finite() => Cell::Value(value),
         _ => Cell::Kind(0),
     });
@@ -222,6 +235,7 @@ fn number_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -> Resu
 fn code_picture(map: &ParameterMap, quantity: Quantity, names: &[&str], style: &Style) -> Result<Figure, FigureError> {
     let colours = match quantity {
         Quantity::Class => Class::ALL.map(class_colour).to_vec(),
+        Quantity::ContactStatus => vec![colour::PERIODS[0], colour::PERIODS[1]],
         Quantity::Status => vec![colour::CHAOTIC, colour::RUNAWAY, colour::UNDER_RESOLVED],
         _ => colour::PERIODS.to_vec(),
     };
@@ -232,13 +246,15 @@ fn code_picture(map: &ParameterMap, quantity: Quantity, names: &[&str], style: &
         .collect();
     kinds.push(Kind::new(colour::RUNAWAY, "runaway"));
     kinds.push(Kind::new(colour::UNDER_RESOLVED, "under-resolved"));
+    kinds.push(Kind::new(colour::NOT_APPLICABLE, "not applicable"));
     let codes = map.column(quantity);
-    // Only a point whose status is not ok has no code.
+    // a point has no code where it ran away, is under-resolved, or where its motion is transient and has no class
     let cells = cells(map, |index| {
         Cell::Kind(match codes[index] {
             code if !code.is_nan() => code as usize,
             _ if map.is_under_resolved(index) => names.len() + 1,
-            _ => names.len(),
+            _ if map.is_runaway(index) => names.len(),
+            _ => names.len() + 2,
         })
     });
     let heading = heading(quantity);

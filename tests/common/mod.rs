@@ -15,8 +15,8 @@ use tribochaos::parameters::{Parameter, ParameterSet};
 /// Settings with every number that enters a result written out, so that a changed default moves no reference value.
 pub fn pinned_settings() -> Settings {
     Settings {
-        scheme: Scheme::Rk4,
-        steps_per_period: 628,
+        scheme: Some(Scheme::Rk4),
+        steps_per_period: Some(628),
         transient_periods: 300,
         align_periods: 50,
         periods: 300,

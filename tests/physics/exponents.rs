@@ -138,7 +138,7 @@ fn the_two_well_duffing_oscillator_has_its_published_exponents() {
         (Parameter::Omega0, 1.0),
     ]);
     let settings = Settings {
-        steps_per_period: 256,
+        steps_per_period: Some(256),
         renormalise_every: 64,
         periods: 1000,
         ..pinned_settings()
@@ -188,7 +188,7 @@ fn the_sum_of_the_exponents_is_the_mean_divergence_at_random_parameters() {
         (Precision::F32, 2512, 1e-5),
     ] {
         let settings = Settings {
-            steps_per_period,
+            steps_per_period: Some(steps_per_period),
             ..pinned_settings()
         };
         for (p, m) in points.iter().zip(measure(precision, &settings, &points)) {
@@ -245,7 +245,7 @@ fn the_spectrum_of_a_runaway_is_none() {
 /// The friction layer resolved; see the next test for what the paper's step makes of it.
 fn resolved_settings() -> Settings {
     Settings {
-        steps_per_period: 4000,
+        steps_per_period: Some(4000),
         renormalise_every: 1000,
         ..pinned_settings()
     }

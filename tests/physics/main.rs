@@ -5,10 +5,12 @@
 mod common;
 
 mod classes;
+mod dual;
 mod exponents;
 mod heat_modes;
 mod lanes;
 mod oracle;
+mod rubbed;
 mod statistics;
 mod tangent;
 mod thermal_oracle;

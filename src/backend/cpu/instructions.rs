@@ -22,7 +22,7 @@ impl InstructionSet {
             .collect()
     }
 
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", not(test)))]
     fn is_available(self) -> bool {
         match self {
             Self::Avx512 => {
@@ -35,7 +35,7 @@ impl InstructionSet {
         }
     }
 
-    #[cfg(not(target_arch = "x86_64"))]
+    #[cfg(any(test, not(target_arch = "x86_64")))]
     fn is_available(self) -> bool {
         self == Self::Portable
     }

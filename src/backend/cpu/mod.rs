@@ -1,7 +1,8 @@
 //! The CPU backend: blocks of lanes on all cores, f64 (the reference) or f32.
 //!
 //! Owns the dispatch by instruction set, once a batch and outside the loops; the arithmetic is the model's and the
-//! scheme's, written once over the lane type.
+//! scheme's, written once over the lane type. The schemes are long, and compiled for every lane type: the library's unit
+//! tests have the portable ones alone, which halves the time that a build of all tests takes.
 
 mod instructions;
 mod radau;
@@ -19,23 +20,17 @@ use self::rk4::Rk4Block;
 use self::taylor::TaylorBlock;
 use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
 use crate::experiment::{Precision, Scheme, Settings};
-use crate::lanes::{Real, Wide};
+use crate::lanes::{Pair, Real, Wide};
 use crate::measurement::BackendKind;
 use crate::parameters::ParameterSet;
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", not(test)))]
 use crate::lanes::x86::{F32x8, F32x16, F64x4, F64x8};
 
 /// Vectors in flight of rk4 with tangent vectors; measured on AVX-512, as are the next two.
 const RK4_IN_FLIGHT: usize = 2;
 /// Groups of so many vectors that make a block of rk4.
 const RK4_GROUPS: usize = 3;
-/// Vectors that make a block of the Taylor scheme, in flight together where there are no tangent vectors.
-const TAYLOR_GROUPS: usize = 2;
-/// Vectors in flight of the Radau scheme.
-const RADAU_IN_FLIGHT: usize = 1;
-/// Numbers that stand for a vector of the portable set.
-const PORTABLE: usize = 2;
 
 /// Integrates on all cores of the machine.
 pub struct CpuBackend {
@@ -104,16 +99,16 @@ impl Backend for CpuBackend {
 
     fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
         self.batch = Some(match (self.instructions, self.precision) {
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", not(test)))]
             (InstructionSet::Avx512, Precision::F64) => batch::<Avx512, F64x8>(settings, instances),
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", not(test)))]
             (InstructionSet::Avx512, Precision::F32) => batch::<Avx512, F32x16>(settings, instances),
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", not(test)))]
             (InstructionSet::Avx2, Precision::F64) => batch::<Avx2, F64x4>(settings, instances),
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", not(test)))]
             (InstructionSet::Avx2, Precision::F32) => batch::<Avx2, F32x8>(settings, instances),
-            (_, Precision::F64) => batch::<Portable, Wide<f64, PORTABLE>>(settings, instances),
-            (_, Precision::F32) => batch::<Portable, Wide<f32, PORTABLE>>(settings, instances),
+            (_, Precision::F64) => batch::<Portable, Pair<f64>>(settings, instances),
+            (_, Precision::F32) => batch::<Portable, Pair<f32>>(settings, instances),
         });
         Ok(())
     }
@@ -138,10 +133,8 @@ fn batch<I: Instructions, V: Real + Send + Sync + 'static>(
     instances: &[ParameterSet],
 ) -> Box<dyn Batch> {
     match settings.scheme() {
-        Scheme::Taylor => Box::new(Blocks::<I, TaylorBlock<V, TAYLOR_GROUPS>>::new(settings, instances)),
-        Scheme::Radau => Box::new(Blocks::<I, RadauBlock<Wide<V, RADAU_IN_FLIGHT>>>::new(
-            settings, instances,
-        )),
+        Scheme::Taylor => Box::new(Blocks::<I, TaylorBlock<V>>::new(settings, instances)),
+        Scheme::Radau => Box::new(Blocks::<I, RadauBlock<V>>::new(settings, instances)),
         Scheme::Rk4 => Box::new(Blocks::<I, Rk4Block<Wide<V, RK4_IN_FLIGHT>, RK4_GROUPS>>::new(
             settings, instances,
         )),
@@ -167,13 +160,19 @@ trait Block: Send + Sync + Sized {
     /// A block of at most [`Block::INSTANCES`] instances; it is filled up with copies of the last one.
     fn new(settings: &Settings, instances: &[ParameterSet]) -> Self;
 
-    /// Carries the motion alone on by a slice. As the next function, it must be `#[inline(always)]`, as is all that it calls
-    /// in its loops, so that it is compiled for its caller's instruction set; and it should hold a scheme's step only
-    /// once, since compilers take much longer over twice as much in one function.
-    fn advance_plain(&mut self, run: &Self::Run, slice: &Slice);
+    /// Whether the transient is [`Block::advance_plain`]'s; it is a function of its own since compilers take much longer
+    /// over twice as much in one.
+    const IS_SPLIT: bool = false;
 
-    /// Carries motion and tangent vectors on by a slice, and sums up where its stage is to be measured.
-    fn advance_tangent(&mut self, run: &Self::Run, slice: &Slice);
+    /// Carries the block on by a slice; sums up where its stage is to be measured. As the next function, it must be
+    /// `#[inline(always)]`, as is all that it calls in its loops, so that it is compiled for its caller's instruction set.
+    fn advance(&mut self, run: &Self::Run, slice: &Slice);
+
+    /// Carries the motion alone on by a slice.
+    #[inline(always)]
+    fn advance_plain(&mut self, _: &Self::Run, _: &Slice) {
+        unreachable!("only a split block is advanced in this way")
+    }
 
     /// Sums of an instance since they were last cleared.
     fn sums(&self, index: usize) -> Sums;
@@ -189,40 +188,40 @@ trait Instructions: 'static {
     /// The machine must have them.
     unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice);
 
-    /// [`Block::advance_tangent`] with these instructions.
+    /// [`Block::advance`] with these instructions.
     ///
     /// # Safety
     /// The machine must have them.
-    unsafe fn tangent<B: Block>(block: &mut B, run: &B::Run, slice: &Slice);
+    unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice);
 }
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", not(test)))]
 struct Avx512;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", not(test)))]
 struct Avx2;
 struct Portable;
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", not(test)))]
 impl Instructions for Avx512 {
     #[target_feature(enable = "avx512f,avx2,fma")]
     unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
         block.advance_plain(run, slice);
     }
     #[target_feature(enable = "avx512f,avx2,fma")]
-    unsafe fn tangent<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
-        block.advance_tangent(run, slice);
+    unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        block.advance(run, slice);
     }
 }
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", not(test)))]
 impl Instructions for Avx2 {
     #[target_feature(enable = "avx2,fma")]
     unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
         block.advance_plain(run, slice);
     }
     #[target_feature(enable = "avx2,fma")]
-    unsafe fn tangent<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
-        block.advance_tangent(run, slice);
+    unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        block.advance(run, slice);
     }
 }
 
@@ -230,8 +229,8 @@ impl Instructions for Portable {
     unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
         block.advance_plain(run, slice);
     }
-    unsafe fn tangent<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
-        block.advance_tangent(run, slice);
+    unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        block.advance(run, slice);
     }
 }
 
@@ -265,9 +264,10 @@ impl<I: Instructions, B: Block> Blocks<I, B> {
 impl<I: Instructions, B: Block> Batch for Blocks<I, B> {
     fn advance(&mut self, slice: &Slice) {
         let run = &self.run;
-        let advance = match slice.stage {
-            Stage::Transient => I::plain::<B>,
-            Stage::Align | Stage::Measure => I::tangent::<B>,
+        let advance = if B::IS_SPLIT && slice.stage == Stage::Transient {
+            I::plain::<B>
+        } else {
+            I::advance::<B>
         };
         self.blocks.par_iter_mut().for_each(|block| {
             // SAFETY: `CpuBackend` pairs lanes and instructions with the set that it has found available.

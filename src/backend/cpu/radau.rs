@@ -63,19 +63,26 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
     }
 
     #[inline(always)]
-    fn advance_plain(&mut self, run: &Run<R>, slice: &Slice) {
-        for n in 0..slice.periods {
-            self.period(run);
-            self.note_ends(slice.elapsed + n + 1);
+    fn advance(&mut self, run: &Run<R>, slice: &Slice) {
+        let measured = slice.stage == Stage::Measure;
+        if measured && slice.first == 0 {
+            self.orbit.extremes = [self.orbit.x; 2];
         }
-    }
-
-    #[inline(always)]
-    fn advance_tangent(&mut self, run: &Run<R>, slice: &Slice) {
-        let is_measured = slice.stage == Stage::Measure;
         for n in 0..slice.periods {
-            self.period_with_tangent(run, is_measured.then_some(slice.first + n));
-            self.note_ends(slice.elapsed + n + 1);
+            // one call for all stages: the scheme is long, and is compiled for every lane type
+            let tangent = (slice.stage != Stage::Transient).then_some(&mut self.tangent);
+            self.orbit
+                .period(&self.system, &run.control, &mut self.peaks, tangent, &mut self.scratch);
+            if slice.stage != Stage::Transient {
+                let growth = self.tangent.normalise(&self.system).ln();
+                if measured {
+                    self.add(run, slice.first + n, growth);
+                }
+            }
+            let period = slice.elapsed + n + 1;
+            self.record
+                .note_runaways(self.orbit.x, self.orbit.y(&self.system), period);
+            self.note_given_up(period);
         }
     }
 
@@ -106,38 +113,12 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
 
 impl<R: Real> RadauBlock<R> {
     #[inline(always)]
-    fn period(&mut self, run: &Run<R>) {
-        self.orbit
-            .period(&self.system, &run.control, &mut self.peaks, None, &mut self.scratch);
-    }
-
-    /// One forcing period with a tangent vector; summed up if it has an index among the measured ones.
-    #[inline(always)]
-    fn period_with_tangent(&mut self, run: &Run<R>, measured: Option<u32>) {
-        if measured == Some(0) {
-            self.orbit.extremes = [self.orbit.x; 2];
-        }
-        let tangent = Some(&mut self.tangent);
-        self.orbit
-            .period(&self.system, &run.control, &mut self.peaks, tangent, &mut self.scratch);
+    fn add(&mut self, run: &Run<R>, index: u32, first: R) {
         let zero = R::splat(0.0);
-        let growth = Growth {
-            first: self.tangent.normalise(&self.system).ln(),
-            second: zero,
-        };
-        if let Some(index) = measured {
-            let (x, y) = (self.orbit.x, self.orbit.y(&self.system));
-            self.record.add(&run.measuring, index, growth, zero, x, y);
-            [self.record.x_min, self.record.x_max] = self.orbit.extremes;
-        }
-    }
-
-    /// Notes what ended in `period`, counted from 1.
-    #[inline(always)]
-    fn note_ends(&mut self, period: u32) {
-        self.record
-            .note_runaways(self.orbit.x, self.orbit.y(&self.system), period);
-        self.note_given_up(period);
+        let (x, y) = (self.orbit.x, self.orbit.y(&self.system));
+        let growth = Growth { first, second: zero };
+        self.record.add(&run.measuring, index, growth, zero, x, y);
+        [self.record.x_min, self.record.x_max] = self.orbit.extremes;
     }
 
     /// Notes lanes that the scheme gave up in `period`, counted from 1.

@@ -33,6 +33,7 @@ pub(super) struct Rk4Block<R, const G: usize> {
 impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
     type Run = Run<R::Scalar>;
     const INSTANCES: usize = R::LANES * G;
+    const IS_SPLIT: bool = true;
 
     fn run(settings: &Settings) -> Self::Run {
         Run {
@@ -68,7 +69,7 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
     }
 
     #[inline(always)]
-    fn advance_tangent(&mut self, run: &Self::Run, slice: &Slice) {
+    fn advance(&mut self, run: &Self::Run, slice: &Slice) {
         let is_measured = slice.stage == Stage::Measure;
         for n in 0..slice.periods {
             for group in &mut self.groups {

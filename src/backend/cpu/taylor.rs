@@ -23,6 +23,7 @@ pub(super) struct TaylorBlock<R> {
 impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
     type Run = Measuring;
     const INSTANCES: usize = 2 * R::LANES;
+    const IS_SPLIT: bool = true;
 
     fn run(settings: &Settings) -> Measuring {
         Measuring::new(settings)
@@ -48,7 +49,7 @@ impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
     }
 
     #[inline(always)]
-    fn advance_tangent(&mut self, run: &Measuring, slice: &Slice) {
+    fn advance(&mut self, run: &Measuring, slice: &Slice) {
         let is_measured = slice.stage == Stage::Measure;
         for n in 0..slice.periods {
             for group in &mut self.groups {

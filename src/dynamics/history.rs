@@ -1,0 +1,80 @@
+//! One instance with frictional heat and wear over time.
+//!
+//! Owns its samples; the motion between them is [`super::adaptive`]'s.
+
+use super::adaptive::{Control, Orbit, Peaks, System};
+use super::radau::ModeStep;
+use crate::experiment::Settings;
+use crate::model::rubbing::HeatModes;
+use crate::model::thermal_modes::ThermalModes;
+use crate::parameters::{Parameter, ParameterSet};
+
+/// The system at one time; all quantities are dimensionless.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    pub tau: f64,
+    /// phi and phi-dot.
+    pub x: f64,
+    pub y: f64,
+    /// Sliding velocity (shaft speed) - y.
+    pub v: f64,
+    /// p; 0 in the gap.
+    pub pressure: f64,
+    /// u_w.
+    pub wear: f64,
+    /// theta(1, tau).
+    pub temperature: f64,
+}
+
+/// A run, sampled in equal steps.
+#[derive(Clone, Debug)]
+pub struct History {
+    /// From tau = 0 on; they break off where the instance was given up.
+    pub samples: Vec<Sample>,
+    /// tau_c, when contact was first lost.
+    pub contact_lost: Option<f64>,
+    /// Whether the pressure ran away, or the motion needed more or shorter steps than there may be.
+    pub given_up: bool,
+}
+
+/// Follows an instance over `periods` forcing periods from its initial state, `samples` times in each.
+///
+/// # Panics
+/// If `samples` is 0.
+pub fn history(parameters: &ParameterSet, settings: &Settings, periods: u32, samples: u32) -> History {
+    assert!(samples > 0, "samples in a period");
+    let spectrum = ThermalModes::new(parameters[Parameter::Biot], settings.modes as usize);
+    let modes = HeatModes::new(parameters, &spectrum);
+    let system = System::<f64>::new(|parameter| parameters[parameter], |_| &modes);
+    let control = Control::new(settings);
+    let mut orbit = Orbit::start(&system, parameters[Parameter::X0], parameters[Parameter::Y0]);
+    let mut peaks = Peaks::start(&orbit);
+    let mut scratch = vec![ModeStep::empty(); modes.rates.len()];
+    let sample = |orbit: &Orbit<f64>| Sample {
+        tau: orbit.time(&system),
+        x: orbit.x,
+        y: orbit.y(&system),
+        v: orbit.v,
+        pressure: orbit.pressure(),
+        wear: orbit.wear(&system),
+        temperature: orbit.surface_temperature(&system),
+    };
+    let mut all = vec![sample(&orbit)];
+    let mut given_up = false;
+    'run: for _ in 0..periods {
+        for part in 0..samples {
+            orbit.part_of_period(&system, &control, &mut peaks, None, &mut scratch, part, samples);
+            given_up = orbit.under_resolved + orbit.runaway > 0.0;
+            if given_up {
+                break 'run;
+            }
+            all.push(sample(&orbit));
+        }
+    }
+    let [lost_periods, lost_rest] = peaks.lost;
+    History {
+        samples: all,
+        contact_lost: (lost_periods >= 0.0).then(|| lost_periods * parameters.forcing_period() + lost_rest),
+        given_up,
+    }
+}
