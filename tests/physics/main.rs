@@ -13,4 +13,5 @@ mod oracle;
 mod rubbed;
 mod statistics;
 mod tangent;
+mod taylor;
 mod thermal_oracle;
