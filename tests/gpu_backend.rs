@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::{GpuBackend, GpuContext};
 use tribochaos::backend::{Backend, BackendError, Slice, Stage, measure_batch};
-use tribochaos::experiment::{Precision, Settings};
+use tribochaos::experiment::{Precision, Scheme, Settings};
 use tribochaos::measurement::{Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
@@ -239,6 +239,7 @@ fn what_the_gpu_cannot_do_is_refused_with_a_remedy() {
         error.to_string()
     };
     let many_steps = |steps_per_period| Settings {
+        scheme: Some(Scheme::Rk4),
         steps_per_period: Some(steps_per_period),
         ..Settings::default()
     };

@@ -16,7 +16,7 @@ fn advance_plain(@builtin(global_invocation_id) thread: vec3<u32>) {
     var y = orbits[instance].y;
     for (var n = 0u; n < span.periods; n++) {
         var state = state_start(flow, x, y * unit, TICKS_PER_PERIOD);
-        for (var pass = 0u; pass < MAX_PASSES && state.left != 0u; pass++) {
+        for (var taken = 0u; taken < MAX_PASSES && state.left != 0u; taken++) {
             state = taylor_step(flow, state).end;
         }
         x = state.x;

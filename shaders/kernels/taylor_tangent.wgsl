@@ -25,13 +25,13 @@ fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
         var first = Vector(orbit.first_x, orbit.first_y * unit);
         var area = area_new(first);
         var divergence = 0.0;
-        for (var pass = 1u; pass <= MAX_PASSES && state.left != 0u; pass++) {
+        for (var taken = 1u; taken <= MAX_PASSES && state.left != 0u; taken++) {
             let step = taylor_step(flow, state);
             let turn = turning(step);
             first = vector_at(step.series, first, step.s);
             area.second = vector_at(step.series, area.second, step.s);
             divergence += divergence_to(step.series, step.s);
-            if (pass % RENEWAL_STEPS == 0u) {
+            if (taken % RENEWAL_STEPS == 0u) {
                 area = renew(area, first);
             }
             orbit.x_min = min(orbit.x_min, min(turn, step.end.x));
