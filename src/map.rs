@@ -51,7 +51,7 @@ impl ParameterMap {
         !self.column(Quantity::Status)[index].is_nan()
     }
 
-    /// The class of a point; None where it is not computed or ran away.
+    /// The class of a point; None where it is not computed, ran away, is under-resolved, or wears.
     pub fn class(&self, index: usize) -> Option<Class> {
         Class::ALL.get(code(self.column(Quantity::Class)[index])?).copied()
     }
@@ -60,6 +60,10 @@ impl ParameterMap {
     pub fn has_gpu_points(&self) -> bool {
         self.column(Quantity::Backend)
             .contains(&f64::from(BackendKind::GpuF32 as u8))
+    }
+
+    pub fn is_ok(&self, index: usize) -> bool {
+        self.column(Quantity::Status)[index] == 0.0
     }
 
     pub fn is_runaway(&self, index: usize) -> bool {

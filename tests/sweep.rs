@@ -106,7 +106,7 @@ fn classes_of_a_gpu_map_are_those_of_the_f64_map() {
         .unwrap()
         .unwrap();
     assert_eq!(audit.points(), 32);
-    assert_eq!(audit.classes[0].class, Class::Chaotic);
+    assert_eq!(audit.classes[0].class, Some(Class::Chaotic));
     assert!(audit.passes(), "{audit:?}");
 }
 

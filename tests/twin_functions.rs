@@ -1,8 +1,9 @@
 //! Twins give the same values: their functions on random inputs.
 
 mod gpu_context;
+mod probe;
 
-use tribochaos::backend::gpu::{GpuContext, shader_source};
+use tribochaos::backend::gpu::shader_source;
 use tribochaos::dynamics::rk4::{self, StageSpeeds, State, StepSize};
 use tribochaos::dynamics::tangent::{Bases, Vector};
 use tribochaos::dynamics::taylor::{self, COEFFICIENTS, Flow};
@@ -12,6 +13,8 @@ use tribochaos::measurement::RUNAWAY_BOUND;
 use tribochaos::model::friction::Friction;
 use tribochaos::model::motion::Motion;
 use tribochaos::parameters::Parameter;
+
+use probe::{Noise, evaluate};
 
 /// Evaluates every function of the twins at one sample a thread.
 const PROBE: &str = "
@@ -44,23 +47,6 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
 const SAMPLES: usize = 64 * 256;
 const INPUTS: usize = 19;
 const OUTPUTS: usize = 20;
-
-/// Uniform numbers in 0..1 from a linear congruence.
-struct Noise(u64);
-
-impl Noise {
-    fn unit(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn within(&mut self, low: f64, high: f64) -> f32 {
-        (low + (high - low) * self.unit()) as f32
-    }
-}
 
 /// The fields of the shader's `Sample`, in order. Half of the states slide inside the friction layer.
 fn sample(noise: &mut Noise) -> [f32; INPUTS] {
@@ -219,7 +205,12 @@ fn functions_agree_to_a_few_roundings() {
     let Some(context) = gpu_context::open() else { return };
     let mut noise = Noise(1);
     let samples: Vec<[f32; INPUTS]> = (0..SAMPLES).map(|_| sample(&mut noise)).collect();
-    let probes: Vec<[f32; OUTPUTS]> = evaluate(&context, Scheme::Rk4, PROBE, &samples);
+    let probes: Vec<[f32; OUTPUTS]> = evaluate(
+        &context,
+        &probed(Scheme::Rk4, PROBE),
+        &shader_source::constants(64),
+        &samples,
+    );
     let mut worst = [0f32; OUTPUTS];
     for (sample, probe) in samples.iter().zip(&probes) {
         let (values, sizes) = expected(sample);
@@ -296,7 +287,12 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
             sample
         })
         .collect();
-    let probes: Vec<[f32; 9]> = evaluate(&context, Scheme::Taylor, PROBE, &samples);
+    let probes: Vec<[f32; 9]> = evaluate(
+        &context,
+        &probed(Scheme::Taylor, PROBE),
+        &shader_source::constants(64),
+        &samples,
+    );
     let mut different_pieces = 0;
     let mut worst = [0f32; 9];
     for (sample, probe) in samples.iter().zip(&probes) {
@@ -383,75 +379,19 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
     for (sample, (case, _)) in samples.iter_mut().zip(&cases) {
         *sample = *case;
     }
-    let probes = evaluate::<_, 1>(&context, Scheme::Rk4, PROBE, &samples);
+    let probes: Vec<[f32; 1]> = evaluate(
+        &context,
+        &probed(Scheme::Rk4, PROBE),
+        &shader_source::constants(64),
+        &samples,
+    );
     for ([probe], (case, expected)) in probes.iter().zip(cases) {
         assert_eq!(probe.to_bits(), u32::from(expected), "{case:?}");
     }
 }
 
-/// What the kernel `probe`, appended to the shader, makes of the samples, one a thread: as many as whole workgroups
-/// of 64 hold.
-fn evaluate<const I: usize, const O: usize>(
-    context: &GpuContext,
-    scheme: Scheme,
-    probe: &str,
-    samples: &[[f32; I]],
-) -> Vec<[f32; O]> {
-    let device = context.device();
+/// The scheme's shader with a probing kernel.
+fn probed(scheme: Scheme, probe: &str) -> String {
     let shader = shader_source::Shader::of(scheme).expect("the scheme has a shader");
-    let source = format!("{}{probe}", shader.source);
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("probe"),
-        source: wgpu::ShaderSource::Wgsl(source.into()),
-    });
-    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some("probe"),
-        layout: None,
-        module: &module,
-        entry_point: Some("probe"),
-        compilation_options: wgpu::PipelineCompilationOptions {
-            constants: &shader_source::constants(64),
-            ..Default::default()
-        },
-        cache: None,
-    });
-    let buffer = |size, usage| {
-        device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size,
-            usage,
-            mapped_at_creation: false,
-        })
-    };
-    use wgpu::BufferUsages as Usage;
-    let size = (samples.len() * size_of::<[f32; O]>()) as u64;
-    let input = buffer(size_of_val(samples) as u64, Usage::STORAGE | Usage::COPY_DST);
-    let output = buffer(size, Usage::STORAGE | Usage::COPY_SRC);
-    let staging = buffer(size, Usage::MAP_READ | Usage::COPY_DST);
-    context.queue().write_buffer(&input, 0, bytemuck::cast_slice(samples));
-    let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &[
-            wgpu::BindGroupEntry {
-                binding: 10,
-                resource: input.as_entire_binding(),
-            },
-            wgpu::BindGroupEntry {
-                binding: 11,
-                resource: output.as_entire_binding(),
-            },
-        ],
-    });
-    let mut encoder = device.create_command_encoder(&Default::default());
-    let mut pass = encoder.begin_compute_pass(&Default::default());
-    pass.set_pipeline(&pipeline);
-    pass.set_bind_group(0, &bindings, &[]);
-    pass.dispatch_workgroups(samples.len() as u32 / 64, 1, 1);
-    drop(pass);
-    encoder.copy_buffer_to_buffer(&output, 0, &staging, 0, size);
-    context.queue().submit([encoder.finish()]);
-    staging.slice(..).map_async(wgpu::MapMode::Read, |_| ());
-    device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
-    bytemuck::pod_collect_to_vec(&staging.slice(..).get_mapped_range().unwrap())
+    format!("{}{probe}", shader.source)
 }

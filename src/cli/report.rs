@@ -150,7 +150,7 @@ pub fn audit(audit: &Audit) -> String {
         let _ = writeln!(
             text,
             "        {:<14} {:>3} points, same class {:>3}, same exponent {:>3}, largest difference {:.1e}",
-            row.class.name(),
+            row.class.map_or("transient", Class::name),
             row.points,
             row.same_class,
             row.same_exponent,

@@ -8,6 +8,7 @@
 use std::f64::consts::TAU;
 
 use super::dense::Cubic;
+use super::matrix::at_nodes;
 use super::radau::{self, Drive, ERROR_WEIGHT, Heat, Memory, ModeStep, NODES, Perturbation, Start, Trial};
 use crate::experiment::Settings;
 use crate::lanes::{Mask, Real, Ticks};
@@ -32,15 +33,15 @@ pub const PASS_BUDGET: u32 = 20_000;
 /// Near a boundary of the friction layer, in half-widths of the layer: how far beyond it a step is cut, how far beyond
 /// the cut aims, and from how far before it a lane that is on its way out is taken to have reached the next piece. Between
 /// these a lane may turn without chatter, and the tangent misses no more of the layer than that.
-const CUT: f64 = 2e-3;
-const AIM: f64 = 5e-4;
-const REACHED: f64 = 5e-4;
+pub const CUT: f64 = 2e-3;
+pub const AIM: f64 = 5e-4;
+pub const REACHED: f64 = 5e-4;
 
 /// Bounds of a sliding velocity that meets no boundary.
 const FAR: f64 = 1e30;
 
 /// A trial with an error above this many tolerances is tried again.
-const REJECTED: f64 = 1.5;
+pub const REJECTED: f64 = 1.5;
 
 /// What all instances of a batch share.
 #[derive(Clone, Copy, Debug)]
@@ -105,8 +106,9 @@ impl<R: Real> System<R> {
         }
         // ramps are rare: lane by lane is fast enough
         R::from_lanes(|lane| {
-            let time = time.lane(lane);
-            -(-self.rubbing.ramp_rate.lane(lane) * time * time.max(f64::MIN_POSITIVE)).exp_m1()
+            // at time 0 too, an infinite rate makes 1
+            let square = time.lane(lane).powi(2).max(f64::MIN_POSITIVE);
+            -(-self.rubbing.ramp_rate.lane(lane) * square).exp_m1()
         })
     }
 }
@@ -132,12 +134,12 @@ pub struct Orbit<R: Real> {
     /// Completed periods.
     pub periods: R,
     /// Length of the next step, in ticks.
-    step: R,
+    pub step: R,
     /// Piece of the friction law: 0 below the layer, 1 and 2 its halves, 3 above.
-    piece: R,
+    pub piece: R,
     /// Acceleration as a quadratic in time around the last trial's start, and the time since then: guesses the next.
-    guess: [R; 3],
-    since: R,
+    pub guess: [R; 3],
+    pub since: R,
     /// Least and greatest x since they were last set.
     pub extremes: [R; 2],
     /// 1 in lanes that have been given up: because they needed too many or too short steps, or because the pressure ran
@@ -251,8 +253,10 @@ impl<R: Real> Orbit<R> {
 
     #[inline(always)]
     fn piece_of(&self, rubbing: &Rubbing<R>) -> R {
-        let above = |boundary: R| R::select(boundary.less(self.v), R::splat(1.0), R::splat(0.0));
-        above(-rubbing.epsilon_0) + above(R::splat(0.0)) + above(rubbing.epsilon_0)
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        R::select((-rubbing.epsilon_0).less(self.v), one, zero)
+            + R::select(zero.less(self.v), one, zero)
+            + R::select(rubbing.epsilon_0.less(self.v), one, zero)
     }
 
     #[inline(always)]
@@ -379,8 +383,8 @@ impl<R: Real> Orbit<R> {
             &self.modes,
             scratch,
         );
-        let guess = NODES.map(|node| {
-            let time = R::splat(node).mul_add(h, self.since);
+        let guess = at_nodes!(i => {
+            let time = R::splat(NODES[i]).mul_add(h, self.since);
             self.guess[2].mul_add(time, self.guess[1]).mul_add(time, self.guess[0])
         });
         let trial = radau::solve(rubbing, &start, &drive, &memory, guess);
@@ -399,11 +403,10 @@ impl<R: Real> Orbit<R> {
         // whatever has converged guesses the next; what has not is forgotten
         let parabola = radau::parabola(trial.acceleration);
         let inverse_h = one / h;
-        let choose = |a, b| R::select(trial.converged, a, b);
         self.guess = [
-            choose(parabola[0], start.acceleration),
-            choose(parabola[1] * inverse_h, zero),
-            choose(parabola[2] * inverse_h * inverse_h, zero),
+            R::select(trial.converged, parabola[0], start.acceleration),
+            R::select(trial.converged, parabola[1] * inverse_h, zero),
+            R::select(trial.converged, parabola[2] * inverse_h * inverse_h, zero),
         ];
         self.since = R::select(kept, h, zero);
 
@@ -457,11 +460,11 @@ impl<R: Real> Orbit<R> {
         let weight = h * R::splat(ERROR_WEIGHT);
         let rate = (rubbing.epsilon * start.pressure).mul_add(rubbing.friction_slope(self.v), rubbing.damping);
         let weight = weight / weight.mul_add(rate.max(zero), one);
-        let missed = |at_start: R, values| (at_start - radau::parabola(values)[0]).abs();
         let inside = (self.piece - R::splat(1.5)).abs().less(one);
         let scale = R::select(inside, rubbing.epsilon_0.min(one), one);
-        let motion = missed(start.acceleration, trial.acceleration) * weight / scale;
-        let heat = missed(start.flux, trial.flux) * weight * rubbing.two_gamma / (start.pressure.abs() + one);
+        let motion = (start.acceleration - radau::parabola(trial.acceleration)[0]).abs() * weight / scale;
+        let heat = (start.flux - radau::parabola(trial.flux)[0]).abs() * weight * rubbing.two_gamma
+            / (start.pressure.abs() + one);
         let error = motion.max(heat) / control.tolerance;
         // the estimate is of order 3: its error grows with the fourth power of the step
         let growth = R::splat(0.9) / error.max(R::splat(1e-12)).sqrt().sqrt();
@@ -479,7 +482,7 @@ impl<R: Real> Orbit<R> {
         let [low, high] = self.bounds(rubbing);
         let margin = R::splat(CUT) * rubbing.epsilon_0;
         let (lowest, highest) = (low - margin, high + margin);
-        let [first, second, last] = trial.v.map(|v| lowest.less(v).and(v.less(highest)));
+        let [first, second, last] = at_nodes!(i => lowest.less(trial.v[i]).and(trial.v[i].less(highest)));
         let inside = first.and(second).and(last);
         if !inside.all() {
             let aim = R::splat(AIM) * rubbing.epsilon_0;
@@ -496,13 +499,12 @@ impl<R: Real> Orbit<R> {
 
         // p in contact, and minus what it would be in the gap: falls below 0 where contact changes
         let gap = self.contact.less(R::splat(0.5));
-        let signal = |pressure: R, closed: R| R::select(gap, -closed, pressure);
-        let signals = [0, 1, 2].map(|i| signal(trial.pressure[i], trial.if_closed[i]));
+        let signals = at_nodes!(i => R::select(gap, -trial.if_closed[i], trial.pressure[i]));
         let allowed = -contact_tolerance(self.fit);
-        let [first, second, last] = signals.map(|signal| allowed.less(signal));
+        let [first, second, last] = at_nodes!(i => allowed.less(signals[i]));
         let lasts = first.and(second).and(last);
         if !lasts.all() {
-            let before = signal(start.pressure, self.fit + self.heat.pressure);
+            let before = R::select(gap, -(self.fit + self.heat.pressure), start.pressure);
             let cubic = Cubic::new(before, signals);
             let from = R::select(first, R::select(second, R::splat(NODES[1]), R::splat(NODES[0])), zero);
             let to = R::select(first, R::select(second, one, R::splat(NODES[1])), R::splat(NODES[0]));
@@ -519,11 +521,12 @@ impl<R: Real> Orbit<R> {
     fn bounds(&self, rubbing: &Rubbing<R>) -> [R; 2] {
         let (half, far) = (R::splat(0.5), R::splat(FAR));
         let gap = self.contact.less(half);
-        let outermost = |end: f64| gap.or((self.piece - R::splat(end)).abs().less(half));
-        let boundary = |offset: f64| (self.piece - R::splat(offset)) * rubbing.epsilon_0;
+        let lowest = gap.or(self.piece.less(half));
+        let highest = gap.or(R::splat(2.5).less(self.piece));
+        let low = (self.piece - R::splat(2.0)) * rubbing.epsilon_0;
         [
-            R::select(outermost(0.0), -far, boundary(2.0)),
-            R::select(outermost(3.0), far, boundary(1.0)),
+            R::select(lowest, -far, low),
+            R::select(highest, far, low + rubbing.epsilon_0),
         ]
     }
 
@@ -552,22 +555,22 @@ impl<R: Real> Orbit<R> {
         }
         let memory = Memory { free, ..*memory };
         let (end, flux) = trial.perturbed(&system.rubbing, start, h, &memory, &tangent.at);
-        let flux = radau::parabola(flux).map(|coefficient| coefficient * h);
+        let flux = radau::parabola(flux);
+        let flux = at_nodes!(k => flux[k] * h);
         for (m, step) in steps.iter().enumerate() {
             let mode = advanced(step, tangent.modes[m], flux);
             tangent.modes[m] = R::select(kept, mode, tangent.modes[m]);
         }
-        let choose = |new, old| R::select(kept, new, old);
         let old = tangent.at;
         tangent.at = Perturbation {
-            x: choose(end.x, old.x),
-            v: choose(end.v, old.v),
-            fit: choose(end.fit, old.fit),
+            x: R::select(kept, end.x, old.x),
+            v: R::select(kept, end.v, old.v),
+            fit: R::select(kept, end.fit, old.fit),
             heat: Heat {
-                pressure: choose(end.heat.pressure, old.heat.pressure),
-                falloff: choose(end.heat.falloff, old.heat.falloff),
+                pressure: R::select(kept, end.heat.pressure, old.heat.pressure),
+                falloff: R::select(kept, end.heat.falloff, old.heat.falloff),
             },
-            flux: choose(end.flux, old.flux),
+            flux: R::select(kept, end.flux, old.flux),
         };
     }
 
@@ -587,41 +590,46 @@ impl<R: Real> Orbit<R> {
         elapsed: R,
         kept: R::Mask,
     ) {
-        let choose = |new, old| R::select(kept, new, old);
         let coefficients = radau::parabola(trial.flux);
         let heat = memory.end(coefficients);
-        let flux = coefficients.map(|coefficient| coefficient * h);
+        let flux = at_nodes!(k => coefficients[k] * h);
         for (m, step) in steps.iter().enumerate() {
-            self.modes[m] = choose(advanced(step, self.modes[m], flux), self.modes[m]);
+            self.modes[m] = R::select(kept, advanced(step, self.modes[m], flux), self.modes[m]);
         }
 
         let (pressure, part) = Cubic::new(start.pressure, trial.pressure).maximum();
         let higher = kept.and(peaks.pressure.less(pressure));
         peaks.pressure = R::select(higher, pressure, peaks.pressure);
         let time = [self.periods, part.mul_add(h, elapsed)];
-        peaks.pressure_time = [0, 1].map(|i| R::select(higher, time[i], peaks.pressure_time[i]));
+        peaks.pressure_time = [
+            R::select(higher, time[0], peaks.pressure_time[0]),
+            R::select(higher, time[1], peaks.pressure_time[1]),
+        ];
         let falloff = trial.falloff(&system.rubbing, start, h, heat);
         let (falloff, _) = Cubic::new(start.heat.falloff, falloff).maximum();
         let temperature = falloff * system.surface_temperature;
-        peaks.temperature = choose(temperature.max(peaks.temperature), peaks.temperature);
+        peaks.temperature = R::select(kept, temperature.max(peaks.temperature), peaks.temperature);
 
         let (highest, _) = Cubic::new(start.x, trial.x).maximum();
-        let (lowest, _) = Cubic::new(-start.x, trial.x.map(|x| -x)).maximum();
+        let (lowest, _) = Cubic::new(-start.x, at_nodes!(i => -trial.x[i])).maximum();
         let [x_min, x_max] = self.extremes;
-        self.extremes = [choose(x_min.min(-lowest), x_min), choose(x_max.max(highest), x_max)];
+        self.extremes = [
+            R::select(kept, x_min.min(-lowest), x_min),
+            R::select(kept, x_max.max(highest), x_max),
+        ];
 
-        self.fit = choose(self.fit + drive.fit[2] - trial.worn(&system.rubbing, h), self.fit);
-        self.x = choose(trial.x[2], self.x);
-        self.v = choose(trial.v[2], self.v);
+        self.fit = R::select(kept, self.fit + drive.fit[2] - trial.worn(&system.rubbing, h), self.fit);
+        self.x = R::select(kept, trial.x[2], self.x);
+        self.v = R::select(kept, trial.v[2], self.v);
         self.heat = Heat {
-            pressure: choose(heat.pressure, self.heat.pressure),
-            falloff: choose(heat.falloff, self.heat.falloff),
+            pressure: R::select(kept, heat.pressure, self.heat.pressure),
+            falloff: R::select(kept, heat.falloff, self.heat.falloff),
         };
         let angle = h / system.period * R::splat(TAU);
         let (sine, versine) = rotation(angle);
         let (sin, cos) = (self.sin, self.cos);
-        self.sin = choose(sin + (cos * sine - sin * versine), sin);
-        self.cos = choose(cos - (sin * sine + cos * versine), cos);
+        self.sin = R::select(kept, sin + (cos * sine - sin * versine), sin);
+        self.cos = R::select(kept, cos - (sin * sine + cos * versine), cos);
 
         // contact changes where its signal has come down to zero
         let (zero, one, half) = (R::splat(0.0), R::splat(1.0), R::splat(0.5));
@@ -633,7 +641,10 @@ impl<R: Real> Orbit<R> {
         }
         let first = changes.and(half.less(self.contact)).and(peaks.lost[0].less(zero));
         let lost = [self.periods, elapsed + h];
-        peaks.lost = [0, 1].map(|i| R::select(first, lost[i], peaks.lost[i]));
+        peaks.lost = [
+            R::select(first, lost[0], peaks.lost[0]),
+            R::select(first, lost[1], peaks.lost[1]),
+        ];
         self.contact = R::select(changes, one - self.contact, self.contact);
         self.piece = R::select(changes, self.piece_of(&system.rubbing), self.piece);
     }

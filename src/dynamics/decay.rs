@@ -63,13 +63,12 @@ pub fn decay<R: Real>(z: R, inverse_z: R) -> Decay<R> {
         return recursion;
     }
     let series = by_series(z);
-    let choose = |series, recursion| R::select(slow, series, recursion);
     Decay {
-        factor: choose(series.factor, recursion.factor),
+        factor: R::select(slow, series.factor, recursion.factor),
         moments: [
-            choose(series.moments[0], recursion.moments[0]),
-            choose(series.moments[1], recursion.moments[1]),
-            choose(series.moments[2], recursion.moments[2]),
+            R::select(slow, series.moments[0], recursion.moments[0]),
+            R::select(slow, series.moments[1], recursion.moments[1]),
+            R::select(slow, series.moments[2], recursion.moments[2]),
         ],
     }
 }

@@ -4,6 +4,27 @@
 
 use crate::lanes::Real;
 
+/// The three values of an expression in the index of a node. A closure would not surely get the caller's instruction set.
+macro_rules! at_nodes {
+    ($node:ident => $value:expr) => {
+        [
+            {
+                let $node = 0usize;
+                $value
+            },
+            {
+                let $node = 1usize;
+                $value
+            },
+            {
+                let $node = 2usize;
+                $value
+            },
+        ]
+    };
+}
+pub(crate) use at_nodes;
+
 pub type Vector<R> = [R; 3];
 /// Rows.
 pub type Matrix<R> = [[R; 3]; 3];
@@ -29,10 +50,15 @@ pub fn product<R: Real>(a: &Matrix<R>, b: &Matrix<R>) -> Matrix<R> {
     out
 }
 
+/// a d - b c.
+#[inline(always)]
+fn cofactor<R: Real>(a: R, b: R, c: R, d: R) -> R {
+    a.mul_add(d, -(b * c))
+}
+
 /// The inverse by cofactors: the matrices here are near the identity, or dominated by what damps.
 #[inline(always)]
 pub fn inverse<R: Real>(m: &Matrix<R>) -> Matrix<R> {
-    let cofactor = |a: R, b: R, c: R, d: R| a.mul_add(d, -(b * c));
     let first = [
         cofactor(m[1][1], m[1][2], m[2][1], m[2][2]),
         cofactor(m[1][2], m[1][0], m[2][2], m[2][0]),

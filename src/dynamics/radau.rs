@@ -11,7 +11,7 @@
 //! Equations II, section IV.5, is the source of the scheme.
 
 use super::decay::{self, Decay};
-use super::matrix::{Matrix, Vector, apply, dot, inverse, product};
+use super::matrix::{Matrix, Vector, apply, at_nodes, dot, inverse, product};
 use crate::lanes::{Mask, Real};
 use crate::model::rubbing::Rubbing;
 
@@ -78,22 +78,31 @@ pub const MAX_ITERATIONS: u32 = 8;
 /// the correction after it would be of the order of rounding.
 pub const NEWTON_TOLERANCE: f64 = 1e-5;
 
+#[inline(always)]
+fn constants<R: Real, const N: usize>(values: [f64; N]) -> [R; N] {
+    let mut out = [R::splat(0.0); N];
+    for n in 0..N {
+        out[n] = R::splat(values[n]);
+    }
+    out
+}
+
 /// A quadratic's coefficients in time from its values at the nodes.
 #[inline(always)]
 pub fn parabola<R: Real>(values: Vector<R>) -> Vector<R> {
-    [0, 1, 2].map(|k| dot([0, 1, 2].map(|j| R::splat(CARDINAL[j][k])), values))
+    at_nodes!(k => dot(at_nodes!(j => R::splat(CARDINAL[j][k])), values))
 }
 
 /// The integrals from 0 to each node of the quadratic with these values at the nodes.
 #[inline(always)]
 fn integrals<R: Real>(values: Vector<R>) -> Vector<R> {
-    [0, 1, 2].map(|i| dot(INTEGRALS[i].map(R::splat), values))
+    at_nodes!(i => dot(constants(INTEGRALS[i]), values))
 }
 
 /// The same, to the step's end.
 #[inline(always)]
 pub fn integral<R: Real>(values: Vector<R>) -> R {
-    dot(INTEGRALS[2].map(R::splat), values)
+    dot(constants(INTEGRALS[2]), values)
 }
 
 /// The thermal part of the pressure, sum w_m q_m, and sum w_m r_m q_m, by which it falls off.
@@ -139,8 +148,8 @@ impl<R: Real> Memory<R> {
         }
         Self {
             free,
-            pressure: pressure.map(|sum| sum * h),
-            falloff: falloff.map(|sum| sum * h),
+            pressure: at_nodes!(k => pressure[k] * h),
+            falloff: at_nodes!(k => falloff[k] * h),
         }
     }
 
@@ -235,28 +244,25 @@ impl<R: Real> InnerHeat<R> {
     #[inline(always)]
     fn new(rubbing: &Rubbing<R>, h: R, start: Heat<R>, start_flux: R, memory: &Memory<R>) -> Self {
         // by the flux at node j instead of the coefficient of s^k
-        let at_nodes = |by: Vector<R>| [0, 1, 2].map(|j| dot(CARDINAL[j].map(R::splat), by));
-        let (end, end_falloff) = (at_nodes(memory.pressure), at_nodes(memory.falloff));
+        let end = at_nodes!(j => dot(constants(CARDINAL[j]), memory.pressure));
+        let end_falloff = at_nodes!(j => dot(constants(CARDINAL[j]), memory.falloff));
         let start_slope = h * rubbing.two_gamma.mul_add(start_flux, -start.falloff);
         let own = h * rubbing.two_gamma;
-        let inner = |i: usize| {
-            let [value_0, slope_0, value_1, slope_1] = HERMITE[i].map(R::splat);
-            let offset = value_0.mul_add(
+        let mut offset = at_nodes!(_i => memory.free.pressure);
+        let mut by_flux = at_nodes!(_i => end);
+        for i in 0..2 {
+            let [value_0, slope_0, value_1, slope_1]: [R; 4] = constants(HERMITE[i]);
+            offset[i] = value_0.mul_add(
                 start.pressure,
                 slope_0.mul_add(
                     start_slope,
                     value_1.mul_add(memory.free.pressure, -(slope_1 * h * memory.free.falloff)),
                 ),
             );
-            let mut by_flux = [0, 1, 2].map(|j| value_1.mul_add(end[j], -(slope_1 * h * end_falloff[j])));
-            by_flux[2] = slope_1.mul_add(own, by_flux[2]);
-            (offset, by_flux)
-        };
-        let (first, second) = (inner(0), inner(1));
-        Self {
-            offset: [first.0, second.0, memory.free.pressure],
-            by_flux: [first.1, second.1, end],
+            by_flux[i] = at_nodes!(j => value_1.mul_add(end[j], -(slope_1 * h * end_falloff[j])));
+            by_flux[i][2] = slope_1.mul_add(own, by_flux[i][2]);
         }
+        Self { offset, by_flux }
     }
 }
 
@@ -271,14 +277,14 @@ pub fn solve<R: Real>(
 ) -> Trial<R> {
     let (zero, one, h) = (R::splat(0.0), R::splat(1.0), drive.h);
     let heat = InnerHeat::new(rubbing, h, start.heat, start.flux, memory);
-    let closed = [0, 1, 2].map(|i| start.fit + drive.fit[i] + heat.offset[i]);
-    let by_flux = heat.by_flux.map(|row| row.map(|by| start.contact * by));
+    let closed = at_nodes!(i => start.fit + drive.fit[i] + heat.offset[i]);
+    let by_flux = at_nodes!(i => at_nodes!(j => start.contact * heat.by_flux[i][j]));
     let wear = start.contact * rubbing.k_w * h;
-    let target = drive.speed.map(|growth| start.v + growth);
-    let constants = INTEGRALS.map(|row| row.map(R::splat));
+    let target = at_nodes!(i => start.v + drive.speed[i]);
+    let integral_weights = at_nodes!(i => constants(INTEGRALS[i]));
 
     let integrated = integrals(guess);
-    let mut v = [0, 1, 2].map(|i| target[i] - h * integrated[i]);
+    let mut v = at_nodes!(i => target[i] - h * integrated[i]);
     let mut trial = Trial {
         converged: one.less(zero),
         x: [start.x; 3],
@@ -289,39 +295,39 @@ pub fn solve<R: Real>(
         acceleration: guess,
         flux: [zero; 3],
         slope: [zero; 3],
-        newton: constants,
-        response: constants,
-        by_v: constants,
+        newton: integral_weights,
+        response: integral_weights,
+        by_v: integral_weights,
     };
     for _ in 0..MAX_ITERATIONS {
-        let y = [0, 1, 2].map(|i| start.shaft_speed + drive.speed[i] - v[i]);
+        let y = at_nodes!(i => start.shaft_speed + drive.speed[i] - v[i]);
         let travelled = integrals(y);
-        trial.x = travelled.map(|travelled| h.mul_add(travelled, start.x));
-        trial.friction = v.map(|v| rubbing.friction(v));
-        trial.slope = v.map(|v| rubbing.friction_slope(v));
+        trial.x = at_nodes!(i => h.mul_add(travelled[i], start.x));
+        trial.friction = at_nodes!(i => rubbing.friction(v[i]));
+        trial.slope = at_nodes!(i => rubbing.friction_slope(v[i]));
         // p = response (closed): the flux and the wear at the nodes are linear in p
-        let mut system = constants;
+        let mut system = integral_weights;
         for i in 0..3 {
             for j in 0..3 {
-                let worn = wear * constants[i][j] * v[j].abs();
+                let worn = wear * integral_weights[i][j] * v[j].abs();
                 let own = if i == j { one } else { zero };
                 system[i][j] = own + worn - by_flux[i][j] * (trial.friction[j] * v[j]);
             }
         }
         trial.response = inverse(&system);
-        trial.pressure = apply(&trial.response, closed.map(|closed| start.contact * closed));
-        let rubbed = [0, 1, 2].map(|i| trial.pressure[i] * trial.friction[i]);
-        trial.flux = [0, 1, 2].map(|i| rubbed[i] * v[i]);
-        trial.acceleration = [0, 1, 2].map(|i| rubbing.acceleration(trial.x[i], y[i], rubbed[i]));
+        trial.pressure = apply(&trial.response, at_nodes!(i => start.contact * closed[i]));
+        let rubbed = at_nodes!(i => trial.pressure[i] * trial.friction[i]);
+        trial.flux = at_nodes!(i => rubbed[i] * v[i]);
+        trial.acceleration = at_nodes!(i => rubbing.acceleration(trial.x[i], y[i], rubbed[i]));
         let integrated = integrals(trial.acceleration);
-        let residual = [0, 1, 2].map(|i| v[i] - target[i] + h * integrated[i]);
+        let residual = at_nodes!(i => v[i] - target[i] + h * integrated[i]);
 
-        let mut source = constants;
+        let mut source = integral_weights;
         for j in 0..3 {
             let by_heat = trial.slope[j].mul_add(v[j], trial.friction[j]) * trial.pressure[j];
             let by_wear = wear * R::select(v[j].less(zero), -trial.pressure[j], trial.pressure[j]);
             for i in 0..3 {
-                source[i][j] = by_flux[i][j] * by_heat - constants[i][j] * by_wear;
+                source[i][j] = by_flux[i][j] * by_heat - integral_weights[i][j] * by_wear;
             }
         }
         trial.by_v = product(&trial.response, &source);
@@ -329,24 +335,24 @@ pub fn solve<R: Real>(
         for i in 0..3 {
             let (rubbed, stiffness) = (rubbing.epsilon * trial.friction[i], h * rubbing.stiffness(trial.x[i]));
             for j in 0..3 {
-                by_v[i][j] = rubbed * by_v[i][j] - stiffness * constants[i][j];
+                by_v[i][j] = rubbed * by_v[i][j] - stiffness * integral_weights[i][j];
             }
             by_v[i][i] = by_v[i][i] + (rubbing.epsilon * trial.pressure[i]).mul_add(trial.slope[i], rubbing.damping);
         }
-        let mut jacobian = product(&constants, &by_v);
+        let mut jacobian = product(&integral_weights, &by_v);
         for i in 0..3 {
-            jacobian[i] = jacobian[i].map(|entry| h * entry);
+            jacobian[i] = at_nodes!(j => h * jacobian[i][j]);
             jacobian[i][i] = jacobian[i][i] + one;
         }
         trial.newton = inverse(&jacobian);
         let correction = apply(&trial.newton, residual);
         trial.v = v;
-        v = [0, 1, 2].map(|i| v[i] - correction[i]);
-        let small = |i: usize| {
+        v = at_nodes!(i => v[i] - correction[i]);
+        let [first, second, last] = at_nodes!(i => {
             let scale = v[i].abs().max(rubbing.epsilon_0);
             correction[i].abs().less(R::splat(NEWTON_TOLERANCE) * scale)
-        };
-        trial.converged = small(0).and(small(1)).and(small(2));
+        });
+        trial.converged = first.and(second).and(last);
         if trial.converged.all() {
             break;
         }
@@ -374,21 +380,22 @@ impl<R: Real> Trial<R> {
         let start_slope = h * rubbing.two_gamma.mul_add(start.flux, -start.heat.falloff);
         let end_slope = h * rubbing.two_gamma.mul_add(self.flux[2], -end.falloff);
         let inverse_h = R::splat(1.0) / h;
-        let inner = |i: usize| {
-            let [value_0, slope_0, value_1, slope_1] = HERMITE_SLOPE[i].map(R::splat);
+        let mut falloff = [end.falloff; 3];
+        for i in 0..2 {
+            let [value_0, slope_0, value_1, slope_1]: [R; 4] = constants(HERMITE_SLOPE[i]);
             let slope = value_0.mul_add(
                 start.heat.pressure,
                 slope_0.mul_add(start_slope, value_1.mul_add(end.pressure, slope_1 * end_slope)),
             );
-            rubbing.two_gamma.mul_add(self.flux[i], -(slope * inverse_h))
-        };
-        [inner(0), inner(1), end.falloff]
+            falloff[i] = rubbing.two_gamma.mul_add(self.flux[i], -(slope * inverse_h));
+        }
+        falloff
     }
 
     /// Pressure lost by wear over the step.
     #[inline(always)]
     pub fn worn(&self, rubbing: &Rubbing<R>, h: R) -> R {
-        let rate = [0, 1, 2].map(|i| self.v[i].abs() * self.pressure[i]);
+        let rate = at_nodes!(i => self.v[i].abs() * self.pressure[i]);
         rubbing.k_w * h * integral(rate)
     }
 
@@ -406,23 +413,23 @@ impl<R: Real> Trial<R> {
         // the perturbed memory is the same linear map: `memory` has the perturbed modes' free sums, and what the flux
         // adds is in `response` and `by_v` already
         let offset = InnerHeat::new(rubbing, h, at.heat, at.flux, memory).offset;
-        let free = apply(&self.response, offset.map(|offset| start.contact * (offset + at.fit)));
-        let pull = [0, 1, 2].map(|i| {
+        let free = apply(&self.response, at_nodes!(i => start.contact * (offset[i] + at.fit)));
+        let pull = at_nodes!(i => {
             let rubbed = rubbing.epsilon * self.friction[i];
             // x at the nodes without the perturbation of v there
             rubbing.stiffness(self.x[i]).mul_add(at.x, rubbed * free[i])
         });
         let integrated = integrals(pull);
-        let v = apply(&self.newton, [0, 1, 2].map(|i| at.v - h * integrated[i]));
+        let v = apply(&self.newton, at_nodes!(i => at.v - h * integrated[i]));
         let by_v = apply(&self.by_v, v);
-        let pressure = [0, 1, 2].map(|i| free[i] + by_v[i]);
-        let flux = [0, 1, 2].map(|i| {
+        let pressure = at_nodes!(i => free[i] + by_v[i]);
+        let flux = at_nodes!(i => {
             let sliding = self.friction[i] * self.v[i];
             let by_heat = self.slope[i].mul_add(self.v[i], self.friction[i]) * self.pressure[i];
             sliding.mul_add(pressure[i], by_heat * v[i])
         });
         let zero = R::splat(0.0);
-        let worn = [0, 1, 2].map(|i| {
+        let worn = at_nodes!(i => {
             let pressed = R::select(self.v[i].less(zero), -self.pressure[i], self.pressure[i]);
             self.v[i].abs().mul_add(pressure[i], pressed * v[i])
         });

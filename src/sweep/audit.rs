@@ -21,9 +21,10 @@ pub struct Audit {
 /// Agreement of the audited points that the map puts into one class.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClassAudit {
-    pub class: Class,
+    /// None for the transient motion of contacts that wear.
+    pub class: Option<Class>,
     pub points: usize,
-    /// Points that the reference puts into the same class.
+    /// Points that the reference puts into the same class, and whose contact is lost, or held, in both.
     pub same_class: usize,
     /// Points whose exponents differ by at most three combined standard errors, or [`EXPONENT_FLOOR`].
     pub same_exponent: usize,
@@ -43,7 +44,7 @@ impl Audit {
     /// Whether at least 98 % of the points of each class that is decided agree in class (one point may always differ),
     /// and 95 % of all exponents within their errors.
     pub fn passes(&self) -> bool {
-        let decided = self.classes.iter().filter(|row| row.class != Class::Undecided);
+        let decided = self.classes.iter().filter(|row| row.class != Some(Class::Undecided));
         decided
             .clone()
             .all(|row| (row.points - row.same_class) as f64 <= (0.02 * row.points as f64).max(1.0))
@@ -61,18 +62,16 @@ impl Audit {
 
 /// Points to audit, by class: as evenly over the classes that occur as their numbers allow, chaotic ones first, and
 /// evenly over the map within each class.
-pub fn choose(map: &ParameterMap, points: usize) -> Vec<(Class, Vec<usize>)> {
-    let mut strata: Vec<(Class, Vec<usize>)> = Class::ALL
+pub fn choose(map: &ParameterMap, points: usize) -> Vec<(Option<Class>, Vec<usize>)> {
+    let mut strata: Vec<(Option<Class>, Vec<usize>)> = Class::ALL
         .into_iter()
+        .map(Some)
+        .chain([None])
         .map(|class| {
-            (
-                class,
-                (0..map.experiment.grid.len())
-                    .filter(|&index| map.class(index) == Some(class))
-                    .collect(),
-            )
+            let indices = (0..map.experiment.grid.len()).filter(|&index| map.is_ok(index) && map.class(index) == class);
+            (class, indices.collect())
         })
-        .filter(|(_, indices): &(Class, Vec<usize>)| !indices.is_empty())
+        .filter(|(_, indices): &(_, Vec<usize>)| !indices.is_empty())
         .collect();
     let mut shares = vec![0; strata.len()];
     let mut left = points;
@@ -118,8 +117,11 @@ pub fn audit(map: &ParameterMap, points: usize, observer: &mut Observer<'_>) -> 
             for (&index, reference) in again.by_ref().take(indices.len()) {
                 let difference = (map.column(Quantity::Lyapunov)[index] - reference.lyapunov).abs();
                 let error = map.column(Quantity::LyapunovError)[index].hypot(reference.lyapunov_error);
+                let contact = Quantity::ContactStatus;
+                let same_contact = map.column(contact)[index] == contact.of(reference);
                 row.points += 1;
-                row.same_class += usize::from(reference.class == Some(*class));
+                row.same_class += usize::from(reference.class == *class && same_contact);
+                // an exponent of finite time has no error, and is held to the floor
                 row.same_exponent += usize::from(difference <= (3.0 * error).max(EXPONENT_FLOOR));
                 row.largest_difference = row.largest_difference.max(difference);
             }
@@ -167,18 +169,30 @@ mod tests {
                 .map(|(class, i)| (class, i.len()))
                 .collect::<Vec<_>>()
         };
-        assert_eq!(chosen(1), [(Class::Chaotic, 1)]);
+        assert_eq!(chosen(1), [(Some(Class::Chaotic), 1)]);
         assert_eq!(
             chosen(5),
-            [(Class::Chaotic, 2), (Class::Regular, 2), (Class::Undecided, 1)]
+            [
+                (Some(Class::Chaotic), 2),
+                (Some(Class::Regular), 2),
+                (Some(Class::Undecided), 1)
+            ]
         );
         assert_eq!(
             chosen(32),
-            [(Class::Chaotic, 3), (Class::Regular, 28), (Class::Undecided, 1)]
+            [
+                (Some(Class::Chaotic), 3),
+                (Some(Class::Regular), 28),
+                (Some(Class::Undecided), 1)
+            ]
         );
         assert_eq!(
             chosen(1000),
-            [(Class::Chaotic, 3), (Class::Regular, 96), (Class::Undecided, 1)]
+            [
+                (Some(Class::Chaotic), 3),
+                (Some(Class::Regular), 96),
+                (Some(Class::Undecided), 1)
+            ]
         );
     }
 

@@ -5,6 +5,7 @@
 mod common;
 
 mod classes;
+mod convergence;
 mod dual;
 mod exponents;
 mod heat_modes;

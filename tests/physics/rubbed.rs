@@ -215,9 +215,9 @@ fn modes_and_tolerance_converge() {
         "{four:e} {eight:e} {sixteen:e}"
     );
     // the tolerance bounds an estimate of order 3, the steps are of order 5
-    let [coarse, fine] = [1e-4, 1e-6].map(|tolerance| errors(with(32, tolerance)));
-    assert!(fine.0 < coarse.0 / 5.0 && fine.0 < 1e-4, "{coarse:?} {fine:?}");
-    assert!(coarse.1 < 2e-4 && fine.1 < 2e-5, "{coarse:?} {fine:?}");
+    let [coarse, fine] = [1e-2, 1e-4].map(|tolerance| errors(with(32, tolerance)));
+    assert!(fine.0 < coarse.0 / 10.0 && fine.0 < 1e-4, "{coarse:?} {fine:?}");
+    assert!(fine.1 < coarse.1 / 10.0 && fine.1 < 1e-4, "{coarse:?} {fine:?}");
 }
 
 #[test]
@@ -258,18 +258,28 @@ fn with_a_ramp_contact_begins_at_zero_and_can_come_back() {
     for sample in &run.samples {
         assert!(sample.pressure >= 0.0, "{sample:?}");
     }
-    // slow growth of the fit, and wear that follows it
-    let slow = paper(3.9).with(Parameter::RampRate, 1e-3).with(Parameter::KW, 5.0);
-    let run = history(&slow, &Settings::default(), 20, 256);
-    let closed: Vec<bool> = run.samples[1..].iter().map(|sample| sample.pressure > 0.0).collect();
-    if run.contact_lost.is_some() {
-        let lost = closed.iter().position(|closed| !closed).unwrap();
-        assert!(closed[lost..].iter().any(|closed| *closed), "contact came back");
-    }
-    let fit = |tau: f64| -(-1e-3 * tau * tau).exp_m1();
-    for sample in &run.samples {
-        assert!(sample.wear <= fit(sample.tau) + 40.0, "{sample:?}");
-    }
+    // slow motion: the shaft cools while it rests, loses contact, and the fit that still grows closes the gap again
+    let slow = paper(1.0).with(Parameter::Omega0, 0.2).with(Parameter::RampRate, 1e-5);
+    let run = history(&slow, &Settings::default(), 5, 256);
+    let case = Case {
+        set: slow,
+        ramp_rate: Some(1e-5),
+        ..preset(1.0)
+    };
+    let volumes = finite_volume(&case, 156.0, 4e-4, 60);
+    close(run.contact_lost.unwrap(), volumes.tau_c.unwrap(), 1e-3, "tau_c");
+    let closed = |of: &dyn Fn(f64) -> f64| -> Vec<bool> { (1..150).map(|tau| of(f64::from(tau)) > 0.0).collect() };
+    let ours = closed(&|tau| {
+        let after = run.samples.iter().position(|sample| sample.tau >= tau).unwrap();
+        run.samples[after].pressure
+    });
+    let theirs = closed(&|tau| volumes.at(tau).pressure);
+    let lost = ours.iter().position(|closed| !closed).unwrap();
+    assert!(ours[lost..].iter().any(|closed| *closed), "contact came back");
+    let differ = ours.iter().zip(&theirs).filter(|(a, b)| a != b).count();
+    assert!(differ <= 2, "{differ} of {} times", ours.len());
+    let last = run.samples.iter().find(|sample| sample.tau >= 150.0).unwrap();
+    close(last.wear, volumes.at(last.tau).wear, 2e-3, "wear");
 }
 
 /// The state (x, v, h_U - u_w) after some periods, and a tangent vector started at (1, 0), in any number type.
@@ -298,7 +308,7 @@ fn the_tangent_of_the_full_state_is_the_derivative_by_dual_numbers() {
         (3.9, 0.0, 3),
         (3.5, 0.02, 2),
         (7.0, 0.01, 1),
-        (1.5, 0.5, 2),
+        (1.5, 0.05, 2),
     ] {
         let set = paper(zeta_k).with(Parameter::KW, k_w).with(Parameter::X0, 0.3);
         let x0 = Dual {

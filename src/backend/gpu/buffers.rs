@@ -130,50 +130,50 @@ impl Buffers {
 
     /// The orbits of the first `count` instances.
     pub fn read_orbits(&self, context: &GpuContext, count: usize) -> Result<Vec<Orbit>, BackendError> {
-        self.read(context, &self.orbits, count, |_| ())
+        read(context, &self.orbits, &self.staging, count, |_| ())
     }
 
     /// The totals of the first `count` instances, which begin at zero again.
     pub fn take_totals(&self, context: &GpuContext, count: usize) -> Result<Vec<Totals>, BackendError> {
-        self.read(context, &self.totals, count, |encoder| {
+        read(context, &self.totals, &self.staging, count, |encoder| {
             encoder.clear_buffer(&self.totals, 0, None);
         })
     }
-
-    /// Reads `count` elements of a buffer, then does what `after` encodes.
-    fn read<T: Pod>(
-        &self,
-        context: &GpuContext,
-        buffer: &wgpu::Buffer,
-        count: usize,
-        after: impl FnOnce(&mut wgpu::CommandEncoder),
-    ) -> Result<Vec<T>, BackendError> {
-        if count == 0 {
-            return Ok(Vec::new());
-        }
-        let size = (count * size_of::<T>()) as u64;
-        let mut encoder = context.device().create_command_encoder(&Default::default());
-        encoder.copy_buffer_to_buffer(buffer, 0, &self.staging, 0, size);
-        after(&mut encoder);
-        context.queue().submit([encoder.finish()]);
-        let staged = self.staging.slice(..size);
-        // whether it is mapped shows below
-        staged.map_async(wgpu::MapMode::Read, |_| ());
-        context.wait()?;
-        let elements = staged
-            .get_mapped_range()
-            .map(|bytes| bytemuck::pod_collect_to_vec(&bytes))
-            .map_err(|error| BackendError::Internal(error.to_string()))?;
-        self.staging.unmap();
-        Ok(elements)
-    }
 }
 
-fn write<T: Pod>(context: &GpuContext, buffer: &wgpu::Buffer, elements: &[T]) {
+/// Reads `count` elements of a buffer by way of a staging buffer, then does what `after` encodes.
+pub fn read<T: Pod>(
+    context: &GpuContext,
+    buffer: &wgpu::Buffer,
+    staging: &wgpu::Buffer,
+    count: usize,
+    after: impl FnOnce(&mut wgpu::CommandEncoder),
+) -> Result<Vec<T>, BackendError> {
+    if count == 0 {
+        return Ok(Vec::new());
+    }
+    let size = (count * size_of::<T>()) as u64;
+    let mut encoder = context.device().create_command_encoder(&Default::default());
+    encoder.copy_buffer_to_buffer(buffer, 0, staging, 0, size);
+    after(&mut encoder);
+    context.queue().submit([encoder.finish()]);
+    let staged = staging.slice(..size);
+    // whether it is mapped shows below
+    staged.map_async(wgpu::MapMode::Read, |_| ());
+    context.wait()?;
+    let elements = staged
+        .get_mapped_range()
+        .map(|bytes| bytemuck::pod_collect_to_vec(&bytes))
+        .map_err(|error| BackendError::Internal(error.to_string()))?;
+    staging.unmap();
+    Ok(elements)
+}
+
+pub fn write<T: Pod>(context: &GpuContext, buffer: &wgpu::Buffer, elements: &[T]) {
     context.queue().write_buffer(buffer, 0, bytemuck::cast_slice(elements));
 }
 
-fn entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
+pub fn entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
     wgpu::BindGroupEntry {
         binding,
         resource: buffer.as_entire_binding(),

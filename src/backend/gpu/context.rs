@@ -139,7 +139,7 @@ fn check_limits(
         (
             "storage buffers in a kernel",
             limits.max_storage_buffers_per_shader_stage.into(),
-            5,
+            7,
         ),
         (
             "bytes in a uniform buffer",

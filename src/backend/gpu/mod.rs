@@ -9,6 +9,7 @@ mod context;
 pub mod layout;
 mod pacer;
 mod pipelines;
+pub mod rubbed;
 pub mod shader_source;
 
 use std::time::Instant;
@@ -19,9 +20,10 @@ pub use context::GpuContext;
 use self::buffers::Buffers;
 use self::layout::{LAST_STATES_SIZE, MAX_STEPS_PER_PERIOD, Span};
 use self::pacer::{Load, Pacer};
+use self::rubbed::RubbedBatch;
 use self::shader_source::{Kernel, Shader};
 use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
-use crate::experiment::{ExperimentError, MIN_EPSILON_0_F32, Scheme, Settings};
+use crate::experiment::{ExperimentError, MAX_MODES, MIN_EPSILON_0_F32, Scheme, Settings};
 use crate::measurement::BackendKind;
 use crate::parameters::{Parameter, ParameterSet};
 
@@ -39,6 +41,10 @@ pub struct GpuBackend {
     scheme: Scheme,
     buffers: Option<Buffers>,
     load: Load,
+    /// Of the full model.
+    rubbed: Option<RubbedBatch>,
+    /// Whether the batch is one of the full model.
+    is_rubbed: bool,
 }
 
 impl GpuBackend {
@@ -55,6 +61,8 @@ impl GpuBackend {
             scheme: Scheme::Taylor,
             buffers: None,
             load,
+            rubbed: None,
+            is_rubbed: false,
         }
     }
 
@@ -62,10 +70,10 @@ impl GpuBackend {
         &self.context
     }
 
-    /// Most instances of a batch: the device limits the size of a buffer.
-    fn max_instances(&self) -> u64 {
+    /// Most instances of a batch: the device limits the size of a buffer, of which each takes a `share` at most.
+    fn max_instances(&self, share: u64) -> u64 {
         let limits = self.context.device().limits();
-        limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / LAST_STATES_SIZE
+        limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / share
     }
 
     fn check(&self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
@@ -83,11 +91,16 @@ impl GpuBackend {
                 settings.steps_per_period()
             )));
         }
-        if instances.len() as u64 > self.max_instances() {
+        self.check_batch(instances, LAST_STATES_SIZE)
+    }
+
+    /// What holds for every scheme; an instance takes a `share` of the largest buffer.
+    fn check_batch(&self, instances: &[ParameterSet], share: u64) -> Result<(), BackendError> {
+        let most = self.max_instances(share);
+        if instances.len() as u64 > most {
             return Err(BackendError::Unsupported(format!(
-                "a batch of {} points is larger than the {} that a buffer of the {} holds: use smaller batches",
+                "a batch of {} points is larger than the {most} that a buffer of the {} holds: use smaller batches",
                 instances.len(),
-                self.max_instances(),
                 self.context.description()
             )));
         }
@@ -143,10 +156,17 @@ impl Backend for GpuBackend {
         } else {
             HARDWARE_BATCH
         };
-        fills.min(self.max_instances()) as usize
+        fills.min(self.max_instances(rubbed::largest_share(MAX_MODES))) as usize
     }
 
     fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
+        self.is_rubbed = settings.scheme() == Scheme::Radau;
+        if self.is_rubbed {
+            self.check_batch(instances, rubbed::largest_share(settings.modes))?;
+            let before = self.rubbed.take();
+            self.rubbed = Some(RubbedBatch::new(&self.context, before, self.load, settings, instances)?);
+            return Ok(());
+        }
         self.check(settings, instances)?;
         let fits = |buffers: &Buffers| buffers.hold(instances.len(), settings.periods);
         if !self.buffers.as_ref().is_some_and(fits) {
@@ -162,6 +182,9 @@ impl Backend for GpuBackend {
     }
 
     fn advance(&mut self, slice: &Slice) -> Result<(), BackendError> {
+        if let Some(rubbed) = self.rubbed.as_mut().filter(|_| self.is_rubbed) {
+            return rubbed.advance(&self.context, slice);
+        }
         let kernel = match slice.stage {
             Stage::Transient => Kernel::Plain,
             Stage::Align | Stage::Measure => Kernel::Tangent,
@@ -195,6 +218,9 @@ impl Backend for GpuBackend {
     }
 
     fn collect(&mut self) -> Result<Vec<Sums>, BackendError> {
+        if let Some(rubbed) = self.rubbed.as_ref().filter(|_| self.is_rubbed) {
+            return rubbed.collect(&self.context);
+        }
         let totals = self
             .buffers()
             .take_totals(&self.context, self.load.instances as usize)?;
@@ -202,6 +228,9 @@ impl Backend for GpuBackend {
     }
 
     fn end_states(&mut self) -> Result<Vec<EndState>, BackendError> {
+        if let Some(rubbed) = self.rubbed.as_ref().filter(|_| self.is_rubbed) {
+            return rubbed.end_states(&self.context);
+        }
         let orbits = self
             .buffers()
             .read_orbits(&self.context, self.load.instances as usize)?;

@@ -1,0 +1,71 @@
+// A quantity within a collocation step: the cubic through its values at the step's start and three nodes.
+// Twin: src/dynamics/dense.rs.
+
+// value(s) = c0 + c1 s + c2 s^2 + c3 s^3 for s from 0 to 1, the step's start and end.
+struct Cubic {
+    c0: f32,
+    c1: f32,
+    c2: f32,
+    c3: f32,
+}
+
+// Greatest value of a cubic and where it is.
+struct Maximum {
+    value: f32,
+    s: f32,
+}
+
+// The cubic through `start` and the values at the nodes.
+fn cubic_new(start: f32, values: vec3<f32>) -> Cubic {
+    // divided differences over 0, c1, c2, 1
+    let first = (values[0] - start) * (1.0 / NODE_0);
+    let second = ((values[1] - values[0]) * (1.0 / (NODE_1 - NODE_0)) - first) * (1.0 / NODE_1);
+    let last = ((values[2] - values[1]) * (1.0 / (1.0 - NODE_1)) - (values[1] - values[0]) * (1.0 / (NODE_1 - NODE_0)))
+        * (1.0 / (1.0 - NODE_0));
+    let third = last - second;
+    return Cubic(
+        start,
+        fma(third, NODE_0 * NODE_1, fma(second, -NODE_0, first)),
+        fma(third, -(NODE_0 + NODE_1), second),
+        third,
+    );
+}
+
+fn cubic_at(cubic: Cubic, s: f32) -> f32 {
+    return fma(fma(fma(cubic.c3, s, cubic.c2), s, cubic.c1), s, cubic.c0);
+}
+
+fn cubic_slope(cubic: Cubic, s: f32) -> f32 {
+    return fma(fma(3.0 * cubic.c3, s, 2.0 * cubic.c2), s, cubic.c1);
+}
+
+// Where the cubic takes the value `level`, known to lie between s = `first` (before it) and `last` (beyond it): Newton's
+// method from the secant, kept inside.
+fn crossing(cubic: Cubic, level: f32, first: f32, last: f32) -> f32 {
+    let before = cubic_at(cubic, first) - level;
+    let beyond = cubic_at(cubic, last) - level;
+    var s = first + (last - first) * (before / (before - beyond));
+    for (var i = 0; i < 4; i++) {
+        s = clamp(s - (cubic_at(cubic, s) - level) / cubic_slope(cubic, s), first, last);
+    }
+    return s;
+}
+
+// Greatest value between s = 0 and 1 and where it is, if there is a maximum inside; else the value at 1 (that at 0 was
+// the end of the step before).
+fn maximum(cubic: Cubic) -> Maximum {
+    // the root of 3 c3 s^2 + 2 c2 s + c1 at which the slope falls, in the form without cancellation for c2 < 0
+    let discriminant = sqrt(max(fma(cubic.c2, cubic.c2, -3.0 * cubic.c3 * cubic.c1), 0.0));
+    let rising = cubic.c2 < 0.0;
+    let numerator = select(-(cubic.c2 + discriminant), cubic.c1, rising);
+    let denominator = select(3.0 * cubic.c3, discriminant - cubic.c2, rising);
+    // a quotient that is no number between 0 and 1 is never formed
+    let within = (numerator > 0.0) == (denominator > 0.0) && abs(numerator) < abs(denominator);
+    let s = select(1.0, numerator / select(1.0, denominator, within), within);
+    let inside = cubic_at(cubic, s);
+    let end = cubic_at(cubic, 1.0);
+    if (end < inside && cubic.c0 < inside) {
+        return Maximum(inside, s);
+    }
+    return Maximum(end, 1.0);
+}

@@ -1,0 +1,79 @@
+// Carries the rubbed bush on by some forcing periods, one thread an instance, with a tangent vector or without; where
+// they are measured, sums up growth and compares stroboscopic states.
+
+// Passes that a period may take: beyond, it is under-resolved.
+override PASS_BUDGET: u32;
+
+// Begins a forcing period.
+fn begin_period(orbit: ptr<function, Orbit>) {
+    // the drive's phase is 0 exactly: rounding does not grow from period to period
+    (*orbit).sine = 0.0;
+    (*orbit).cosine = 1.0;
+    (*orbit).left = TICKS;
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn advance_rubbed(@builtin(global_invocation_id) thread: vec3<u32>) {
+    if (thread.x >= span.instances) {
+        return;
+    }
+    let instance = span.first_instance + thread.x;
+    var orbit = orbits[instance];
+    // nothing more is asked of an instance that has been given up
+    if (orbit.given_up_period != 0u) {
+        return;
+    }
+    let system = system_new(parameters[instance]);
+    load_modes(instance);
+    var sums = totals[instance];
+    if (span.measured != 0u && span.first == 0u) {
+        orbit.x_min = orbit.x;
+        orbit.x_max = orbit.x;
+    }
+    var passes = 0u;
+    var period = 0u;
+    // one flat loop: threads whose periods end at different passes do not wait for each other
+    begin_period(&orbit);
+    loop {
+        orbit_pass(&orbit, system, CARRIES_TANGENT);
+        passes++;
+        if (orbit.left != 0u) {
+            if (passes < PASS_BUDGET) {
+                continue;
+            }
+            orbit.under_resolved = 1u;
+        }
+        // the drive's phase is 0
+        let y = system.rubbing.omega_k - orbit.v;
+        if (has_run_away(orbit.x, y)) {
+            orbit.runaway = 1u;
+        }
+        if ((orbit.under_resolved | orbit.runaway) != 0u) {
+            orbit.given_up_period = span.elapsed + period + 1u;
+            break;
+        }
+        orbit.periods += 1.0;
+        var growth = 0.0;
+        if (CARRIES_TANGENT) {
+            growth = log(normalise(&orbit, system));
+        }
+        if (span.measured != 0u) {
+            let index = span.first + period;
+            sums.growth += growth;
+            sums.birkhoff = fma(growth, birkhoff_weights[index], sums.birkhoff);
+            if (index >= run.unrecorded) {
+                orbit.candidates =
+                    record(instance, index - run.unrecorded, orbit.x, y, run.period_tolerance, orbit.candidates);
+            }
+        }
+        period++;
+        if (period == span.periods) {
+            break;
+        }
+        passes = 0u;
+        begin_period(&orbit);
+    }
+    store_modes(instance);
+    orbits[instance] = orbit;
+    totals[instance] = sums;
+}

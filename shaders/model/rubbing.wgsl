@@ -1,0 +1,65 @@
+// The bush's motion under a contact pressure that frictional heat and wear change, equations (2.1) to (2.5).
+// Twin: src/model/rubbing.rs.
+
+// The system
+//
+//     x'' = x - b x^3 + eps p F(v) - eps h1 y           y = x',  v = (shaft speed) - y
+//     p   = h_U - u_w + sum_m w_m q_m                   w_m = 2 gamma c_m, the lumped mode last
+//     q_m' = -r_m q_m + Q                               r_m = mu_m^2 omega-tilde,  Q = F(v) v p
+//     u_w' = k_w |v| p
+//
+// in contact; in the gap after contact is lost p = 0.
+struct Rubbing {
+    minus_b: f32,
+    minus_three_b: f32,
+    omega_k: f32,
+    zeta_k: f32,
+    // Strength eps of the friction in the equation of motion.
+    epsilon: f32,
+    // eps h1.
+    damping: f32,
+    k_w: f32,
+    // 2 gamma.
+    two_gamma: f32,
+    // delta of the fit h_U = 1 - exp(-delta tau^2).
+    ramp_rate: f32,
+    epsilon_0: f32,
+    friction: Friction,
+}
+
+fn rubbing_new(value: Parameters) -> Rubbing {
+    return Rubbing(
+        -value.b,
+        -3.0 * value.b,
+        value.omega_k,
+        value.zeta_k,
+        value.epsilon,
+        value.epsilon * value.h1,
+        value.k_w,
+        2.0 * value.gamma,
+        value.ramp_rate,
+        value.epsilon_0,
+        friction_new(1.0, value.f_0, value.alpha, value.beta, value.epsilon_0),
+    );
+}
+
+// Kinetic friction F(v).
+fn rubbing_friction(rubbing: Rubbing, v: f32) -> f32 {
+    return force(rubbing.friction, v);
+}
+
+// F'(v).
+fn friction_slope(rubbing: Rubbing, v: f32) -> f32 {
+    return slope(rubbing.friction, v);
+}
+
+// Acceleration of the bush, given the product of pressure and friction.
+fn acceleration(rubbing: Rubbing, x: f32, y: f32, rubbed: f32) -> f32 {
+    let restoring = fma(rubbing.minus_b, x * x, 1.0);
+    return fma(x, restoring, rubbing.epsilon * rubbed - rubbing.damping * y);
+}
+
+// d(acceleration)/dx = 1 - 3 b x^2.
+fn stiffness(rubbing: Rubbing, x: f32) -> f32 {
+    return fma(rubbing.minus_three_b, x * x, 1.0);
+}

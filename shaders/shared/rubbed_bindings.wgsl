@@ -1,0 +1,127 @@
+// What the host and the device share where heat and wear change the pressure: the structs of
+// src/backend/gpu/rubbed/layout.rs, held equal by a test, and the bindings. Scalars only, so that both languages lay
+// them out alike. HEAT_MODES, the number of heat modes with the lumped one, is put in front of this file.
+
+override WORKGROUP_SIZE: u32;
+
+// What all instances of a batch share.
+struct Run {
+    instances: u32,
+    // Measured periods before the stroboscopic window.
+    unrecorded: u32,
+    period_tolerance: f32,
+    // Error of a step: of v in units of 1 outside the friction layer and of its half-width inside, of p relative.
+    tolerance: f32,
+    // Longest step, in ticks.
+    longest: f32,
+}
+
+// The part of a slice that one dispatch carries out.
+struct Span {
+    first_instance: u32,
+    instances: u32,
+    // Index of the first period within its stage.
+    first: u32,
+    periods: u32,
+    // Periods since the start of the run.
+    elapsed: u32,
+    // 1 while everything is summed up, else 0.
+    measured: u32,
+}
+
+// One instance's parameters.
+struct Parameters {
+    zeta_k: f32,
+    h1: f32,
+    omega_k: f32,
+    b: f32,
+    epsilon: f32,
+    f_0: f32,
+    alpha: f32,
+    beta: f32,
+    epsilon_0: f32,
+    gamma: f32,
+    k_w: f32,
+    // LARGEST where there is no ramp.
+    ramp_rate: f32,
+    // Forcing period in units of tau.
+    period: f32,
+    // theta(1) = this times the sum of 2 gamma c_m r_m q_m.
+    surface_temperature: f32,
+}
+
+// One heat mode of one instance: its rate of decay and its weight in the pressure.
+struct HeatMode {
+    rate: f32,
+    weight: f32,
+}
+
+// One instance as it is carried along: state, clock, tangent vector, and what its contact and its periods showed.
+struct Orbit {
+    x: f32,
+    // Sliding velocity (shaft speed) - y.
+    v: f32,
+    // h_U - u_w.
+    fit: f32,
+    // sum w_m q_m, and sum w_m r_m q_m, by which it falls off.
+    heat_pressure: f32,
+    heat_falloff: f32,
+    // 1 in contact, 0 in the gap.
+    contact: f32,
+    // Drive phase: its sine and cosine, and the ticks left of the period.
+    sine: f32,
+    cosine: f32,
+    left: u32,
+    // Completed periods.
+    periods: f32,
+    // Length of the next step, in ticks.
+    step: f32,
+    // Piece of the friction law: 0 below the layer, 1 and 2 its halves, 3 above.
+    piece: f32,
+    // Acceleration as a quadratic in time around the last trial's start, and the time since then: guesses the next.
+    guess_0: f32,
+    guess_1: f32,
+    guess_2: f32,
+    since: f32,
+    tangent_x: f32,
+    tangent_v: f32,
+    tangent_fit: f32,
+    tangent_pressure: f32,
+    tangent_falloff: f32,
+    tangent_flux: f32,
+    // Greatest pressure, and when: completed periods, and tau since.
+    peak_pressure: f32,
+    peak_periods: f32,
+    peak_time: f32,
+    peak_temperature: f32,
+    // When contact was first lost; periods are negative while it has not been.
+    lost_periods: f32,
+    lost_time: f32,
+    // Least and greatest x since they were last set.
+    x_min: f32,
+    x_max: f32,
+    // Bit k-1 is set while all stroboscopic states k periods apart agree.
+    candidates: u32,
+    // 1 where the instance was given up, else 0; and the period, counted from 1, in which it was.
+    under_resolved: u32,
+    runaway: u32,
+    given_up_period: u32,
+}
+
+// One instance's sums over measured periods since they were last collected.
+struct Totals {
+    growth: f32,
+    birkhoff: f32,
+}
+
+@group(0) @binding(0) var<uniform> run: Run;
+@group(0) @binding(1) var<uniform> span: Span;
+@group(0) @binding(2) var<storage, read> birkhoff_weights: array<f32>;
+@group(0) @binding(3) var<storage, read> parameters: array<Parameters>;
+// These are laid out [slot][instance], so that neighbouring threads touch neighbouring memory: the heat modes, the
+// lumped one last; their state, and after it that of their tangents; the last stroboscopic states.
+@group(0) @binding(4) var<storage, read> heat_modes: array<HeatMode>;
+@group(0) @binding(5) var<storage, read_write> mode_states: array<f32>;
+@group(0) @binding(6) var<storage, read_write> last_states: array<vec2<f32>>;
+@group(0) @binding(7) var<storage, read_write> orbits: array<Orbit>;
+@group(0) @binding(8) var<storage, read_write> totals: array<Totals>;

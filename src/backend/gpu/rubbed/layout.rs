@@ -1,0 +1,237 @@
+//! What host and device share in memory: the structs of `shaders/shared/rubbed_bindings.wgsl`, field by field, and the
+//! bindings' numbers.
+//!
+//! Owns the passage from parameters and settings to these structs, and back to what a run has shown; neither allocates nor
+//! dispatches.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::backend::{EndState, Sums};
+use crate::dynamics::adaptive::{self, Control, System, Tangent};
+use crate::dynamics::stroboscope;
+use crate::experiment::Settings;
+use crate::measurement::Contact;
+use crate::model::rubbing::HeatModes;
+use crate::parameters::{Parameter, ParameterSet};
+
+/// The bindings of group 0, as numbered in the shader.
+pub mod binding {
+    pub const RUN: u32 = 0;
+    pub const SPAN: u32 = 1;
+    pub const BIRKHOFF_WEIGHTS: u32 = 2;
+    pub const PARAMETERS: u32 = 3;
+    pub const HEAT_MODES: u32 = 4;
+    pub const MODES: u32 = 5;
+    pub const LAST_STATES: u32 = 6;
+    pub const ORBITS: u32 = 7;
+    pub const TOTALS: u32 = 8;
+}
+
+/// Heat modes of an instance: `modes` and the lumped one.
+pub fn slots(modes: u32) -> usize {
+    modes as usize + 1
+}
+
+/// What all instances of a batch share.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Run {
+    pub instances: u32,
+    pub unrecorded: u32,
+    pub period_tolerance: f32,
+    pub tolerance: f32,
+    pub longest: f32,
+}
+
+impl Run {
+    pub fn new(settings: &Settings, instances: u32) -> Self {
+        let Control { tolerance, longest } = Control::<f32>::new(settings);
+        Self {
+            instances,
+            unrecorded: settings.periods - stroboscope::window(settings.periods),
+            period_tolerance: settings.period_tolerance as f32,
+            tolerance,
+            longest,
+        }
+    }
+}
+
+/// One instance's parameters.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Parameters {
+    pub zeta_k: f32,
+    pub h1: f32,
+    pub omega_k: f32,
+    pub b: f32,
+    pub epsilon: f32,
+    pub f_0: f32,
+    pub alpha: f32,
+    pub beta: f32,
+    pub epsilon_0: f32,
+    pub gamma: f32,
+    pub k_w: f32,
+    pub ramp_rate: f32,
+    pub period: f32,
+    pub surface_temperature: f32,
+}
+
+impl Parameters {
+    pub fn new(set: &ParameterSet, heat: &HeatModes) -> Self {
+        let value = |parameter| set[parameter] as f32;
+        Self {
+            zeta_k: value(Parameter::ZetaK),
+            h1: value(Parameter::H1),
+            omega_k: value(Parameter::OmegaK),
+            b: value(Parameter::B),
+            epsilon: value(Parameter::Epsilon),
+            f_0: value(Parameter::F0),
+            alpha: value(Parameter::Alpha),
+            beta: value(Parameter::Beta),
+            epsilon_0: value(Parameter::Epsilon0),
+            gamma: value(Parameter::Gamma),
+            k_w: value(Parameter::KW),
+            // shaders may assume that nothing is infinite
+            ramp_rate: value(Parameter::RampRate).min(f32::MAX),
+            period: set.forcing_period() as f32,
+            surface_temperature: heat.surface_temperature as f32,
+        }
+    }
+}
+
+/// One heat mode of one instance.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct HeatMode {
+    pub rate: f32,
+    pub weight: f32,
+}
+
+/// One instance as it is carried along.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Orbit {
+    pub x: f32,
+    pub v: f32,
+    pub fit: f32,
+    pub heat_pressure: f32,
+    pub heat_falloff: f32,
+    pub contact: f32,
+    pub sine: f32,
+    pub cosine: f32,
+    pub left: u32,
+    pub periods: f32,
+    pub step: f32,
+    pub piece: f32,
+    pub guess_0: f32,
+    pub guess_1: f32,
+    pub guess_2: f32,
+    pub since: f32,
+    pub tangent_x: f32,
+    pub tangent_v: f32,
+    pub tangent_fit: f32,
+    pub tangent_pressure: f32,
+    pub tangent_falloff: f32,
+    pub tangent_flux: f32,
+    pub peak_pressure: f32,
+    pub peak_periods: f32,
+    pub peak_time: f32,
+    pub peak_temperature: f32,
+    pub lost_periods: f32,
+    pub lost_time: f32,
+    pub x_min: f32,
+    pub x_max: f32,
+    pub candidates: u32,
+    pub under_resolved: u32,
+    pub runaway: u32,
+    pub given_up_period: u32,
+}
+
+impl Orbit {
+    /// The instance at the beginning of its run.
+    pub fn start(set: &ParameterSet, heat: &HeatModes) -> Self {
+        let system = System::<f32>::new(|parameter| set[parameter] as f32, |_| heat);
+        let orbit = adaptive::Orbit::start(&system, set[Parameter::X0] as f32, set[Parameter::Y0] as f32);
+        let peaks = adaptive::Peaks::start(&orbit);
+        let tangent = Tangent::<f32>::start(0).at;
+        Self {
+            x: orbit.x,
+            v: orbit.v,
+            fit: orbit.fit,
+            heat_pressure: 0.0,
+            heat_falloff: 0.0,
+            contact: orbit.contact,
+            sine: 0.0,
+            cosine: 1.0,
+            left: 0,
+            periods: orbit.periods,
+            step: orbit.step,
+            piece: orbit.piece,
+            guess_0: orbit.guess[0],
+            guess_1: orbit.guess[1],
+            guess_2: orbit.guess[2],
+            since: orbit.since,
+            tangent_x: tangent.x,
+            tangent_v: tangent.v,
+            tangent_fit: tangent.fit,
+            tangent_pressure: tangent.heat.pressure,
+            tangent_falloff: tangent.heat.falloff,
+            tangent_flux: tangent.flux,
+            peak_pressure: peaks.pressure,
+            peak_periods: peaks.pressure_time[0],
+            peak_time: peaks.pressure_time[1],
+            peak_temperature: peaks.temperature,
+            lost_periods: peaks.lost[0],
+            lost_time: peaks.lost[1],
+            x_min: orbit.x,
+            x_max: orbit.x,
+            candidates: u32::MAX,
+            under_resolved: 0,
+            runaway: 0,
+            given_up_period: 0,
+        }
+    }
+
+    /// What is left of the instance `set`.
+    pub fn end_state(&self, set: &ParameterSet) -> EndState {
+        let tau = |periods: f32, time: f32| f64::from(periods) * set.forcing_period() + f64::from(time);
+        let ramp = set[Parameter::RampRate] * tau(self.periods, 0.0).powi(2);
+        // without a ramp the fit is 1 from the start
+        let fit = if ramp.is_finite() { -(-ramp).exp_m1() } else { 1.0 };
+        EndState {
+            x: self.x.into(),
+            // the drive's phase is 0
+            y: set[Parameter::OmegaK] - f64::from(self.v),
+            x_min: self.x_min.into(),
+            x_max: self.x_max.into(),
+            candidates: self.candidates,
+            runaway_period: (self.runaway > 0).then_some(self.given_up_period),
+            under_resolved: self.under_resolved > 0,
+            contact: Contact {
+                lost: (self.lost_periods >= 0.0).then(|| tau(self.lost_periods, self.lost_time)),
+                peak_pressure: self.peak_pressure.into(),
+                peak_pressure_time: tau(self.peak_periods, self.peak_time),
+                final_wear: fit - f64::from(self.fit),
+                peak_temperature: self.peak_temperature.into(),
+            },
+        }
+    }
+}
+
+/// One instance's sums over measured periods since they were last collected.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Totals {
+    pub growth: f32,
+    pub birkhoff: f32,
+}
+
+impl From<Totals> for Sums {
+    fn from(totals: Totals) -> Self {
+        Self {
+            growth: [totals.growth.into(), 0.0],
+            birkhoff: totals.birkhoff.into(),
+            divergence: 0.0,
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! The shader of the full model as it is compiled: its pieces put together, and the constants that it takes from the host.
+//!
+//! Owns which pieces there are and in what order; knows nothing of devices.
+
+use std::fmt::Write as _;
+
+use super::layout;
+use crate::dynamics::adaptive::{AIM, CUT, PASS_BUDGET, PRESSURE_BOUND, REACHED, REJECTED, SHORTEST_STEP, TICKS};
+use crate::dynamics::radau::{ERROR_WEIGHT, MAX_ITERATIONS, NEWTON_TOLERANCE};
+use crate::dynamics::stroboscope::MAX_PERIOD;
+use crate::dynamics::tangent::SMALLEST_SQUARE;
+use crate::measurement::RUNAWAY_BOUND;
+
+macro_rules! pieces {
+    ($($name:literal)*) => {
+        /// Name, below `shaders/`, and text of every piece.
+        pub const PIECES: &[(&str, &str)] = &[$(($name, include_str!(concat!("../../../../shaders/", $name)))),*];
+    };
+}
+
+pieces! {
+    "shared/rubbed_bindings.wgsl"
+    "shared/heat_modes.wgsl"
+    "shared/runaway.wgsl"
+    "shared/order.wgsl"
+    "model/friction.wgsl"
+    "model/rubbing.wgsl"
+    "dynamics/decay.wgsl"
+    "dynamics/matrix.wgsl"
+    "dynamics/dense.wgsl"
+    "dynamics/radau.wgsl"
+    "dynamics/adaptive.wgsl"
+    "dynamics/stroboscope.wgsl"
+    "kernels/advance_rubbed.wgsl"
+}
+
+/// The name of the kernel.
+pub const ENTRY_POINT: &str = "advance_rubbed";
+
+/// Most modes over which loops are written out.
+const MOST_WRITTEN_OUT: usize = 33;
+
+/// The pieces in one text, for `modes` heat modes and the lumped one: their number is the length of arrays in the shader,
+/// which no `override` constant can be.
+pub fn source(modes: u32) -> String {
+    let slots = layout::slots(modes);
+    let header = format!("const HEAT_MODES: u32 = {slots}u;\n");
+    let text = PIECES.iter().fold(header, |text, (_, piece)| text + piece + "\n");
+    if slots > MOST_WRITTEN_OUT {
+        return text;
+    }
+    write_out(&text, slots)
+}
+
+/// Writes the loops over heat modes out: drivers do not do so themselves, and keep what is indexed by a variable in memory
+/// instead of registers.
+fn write_out(text: &str, slots: usize) -> String {
+    const LOOP: &str = "for (var m = 0u; m < HEAT_MODES; m++) {\n";
+    let mut out = String::new();
+    let mut rest = text;
+    while let Some((before, after)) = rest.split_once(LOOP) {
+        out += before;
+        let indentation = before.rsplit('\n').next().unwrap_or_default();
+        let end = format!("\n{indentation}}}\n");
+        let (body, after) = after.split_once(&end).expect("a loop has an end");
+        for m in 0..slots {
+            let _ = write!(out, "{{ const m = {m}u;\n{body}\n{indentation}}}\n{indentation}");
+        }
+        rest = after;
+    }
+    out + rest
+}
+
+/// Values of the shader's `override` constants, so that each is defined in one place.
+pub fn constants(workgroup_size: u32, carries_tangent: bool) -> [(&'static str, f64); 16] {
+    [
+        ("WORKGROUP_SIZE", f64::from(workgroup_size)),
+        ("CARRIES_TANGENT", f64::from(u8::from(carries_tangent))),
+        ("RUNAWAY_BOUND", RUNAWAY_BOUND),
+        ("SMALLEST_SQUARE", SMALLEST_SQUARE),
+        ("MAX_PERIOD", MAX_PERIOD as f64),
+        ("ERROR_WEIGHT", ERROR_WEIGHT),
+        ("MAX_ITERATIONS", f64::from(MAX_ITERATIONS)),
+        ("NEWTON_TOLERANCE", NEWTON_TOLERANCE),
+        ("TICKS", f64::from(TICKS)),
+        ("SHORTEST_STEP", f64::from(SHORTEST_STEP)),
+        ("PASS_BUDGET", f64::from(PASS_BUDGET)),
+        ("PRESSURE_BOUND", PRESSURE_BOUND),
+        ("CUT", CUT),
+        ("AIM", AIM),
+        ("REACHED", REACHED),
+        ("REJECTED", REJECTED),
+    ]
+}

@@ -1,0 +1,109 @@
+//! The README's tables of accuracy with heat and wear: errors over the whole range of zeta_k at the paper's preset. Run
+//! by `cargo test --test physics convergence -- --ignored --nocapture`.
+
+use std::ops::ControlFlow;
+
+use tribochaos::backend::cpu::CpuBackend;
+use tribochaos::backend::measure_batch;
+use tribochaos::experiment::{Precision, Preset, Settings};
+use tribochaos::measurement::{Class, Measurement, Status};
+use tribochaos::parameters::{Parameter, ParameterSet};
+
+/// Points over zeta_k = 0..12.
+const POINTS: u32 = 97;
+
+fn points(k_w: f64) -> Vec<ParameterSet> {
+    let set = Preset::Paper
+        .values()
+        .iter()
+        .fold(ParameterSet::default(), |set, &(parameter, value)| {
+            set.with(parameter, value)
+        })
+        .with(Parameter::KW, k_w);
+    (0..POINTS)
+        .map(|i| set.with(Parameter::ZetaK, 12.0 * f64::from(i) / f64::from(POINTS - 1)))
+        .collect()
+}
+
+/// The measurements with wear over 40 periods, and without over 200 + 100.
+fn measure(precision: Precision, modes: u32, tolerance: f64) -> [Vec<Measurement>; 2] {
+    let settings = Settings {
+        modes,
+        tolerance,
+        transient_periods: 200,
+        periods: 100,
+        ..Settings::default()
+    };
+    let wearing = Settings {
+        periods: 40,
+        ..settings.clone()
+    };
+    [(&wearing, 0.01), (&settings, 0.0)].map(|(settings, k_w)| {
+        let mut backend = CpuBackend::new(precision);
+        measure_batch(&mut backend, settings, &points(k_w), &mut |_| ControlFlow::Continue(()))
+            .unwrap()
+            .unwrap()
+    })
+}
+
+/// Errors of one quantity: median, 90 % and largest.
+fn quantiles(mut errors: Vec<f64>) -> String {
+    errors.retain(|error| error.is_finite());
+    errors.sort_unstable_by(f64::total_cmp);
+    let at = |part: f64| errors[((errors.len() - 1) as f64 * part) as usize];
+    format!("{:.0e} / {:.0e} / {:.0e}", at(0.5), at(0.9), at(1.0))
+}
+
+fn row(name: &str, found: &[Vec<Measurement>; 2], exact: &[Vec<Measurement>; 2]) {
+    type Of = fn(&Measurement) -> f64;
+    let relative: [Of; 4] = [
+        |m| m.contact.lost.unwrap_or(f64::NAN),
+        |m| m.contact.final_wear,
+        |m| m.contact.peak_pressure,
+        |m| m.contact.peak_temperature,
+    ];
+    print!("| {name} |");
+    for of in relative {
+        let pairs = found[0].iter().zip(&exact[0]);
+        print!(
+            " {} |",
+            quantiles(pairs.map(|(m, e)| (of(m) / of(e) - 1.0).abs()).collect())
+        );
+    }
+    let finite = found[0].iter().zip(&exact[0]);
+    print!(
+        " {} |",
+        quantiles(finite.map(|(m, e)| (m.lyapunov - e.lyapunov).abs()).collect())
+    );
+    let regular = found[1].iter().zip(&exact[1]);
+    let regular = regular.filter(|(_, e)| e.class == Some(Class::Regular) && e.period.is_some());
+    print!(
+        " {} |",
+        quantiles(regular.map(|(m, e)| (m.lyapunov - e.lyapunov).abs()).collect())
+    );
+    let all = found.iter().flatten();
+    println!(" {} |", all.filter(|m| m.status != Status::Ok).count());
+}
+
+#[test]
+#[ignore = "minutes: it prints the README's tables"]
+fn convergence_tables() {
+    println!(
+        "| | tau_c | wear | peak pressure | peak temperature | exponent of finite time | exponent, k_w = 0 | not ok |"
+    );
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
+    let exact = measure(Precision::F64, 12, 1e-8);
+    for precision in [Precision::F64, Precision::F32] {
+        for tolerance in [1e-3, 1e-4, 1e-5, 1e-6] {
+            row(
+                &format!("{precision:?}, tolerance {tolerance:.0e}"),
+                &measure(precision, 12, tolerance),
+                &exact,
+            );
+        }
+    }
+    let exact = measure(Precision::F64, 48, 1e-6);
+    for modes in [4, 6, 8, 12, 16, 24] {
+        row(&format!("{modes} modes"), &measure(Precision::F64, modes, 1e-6), &exact);
+    }
+}

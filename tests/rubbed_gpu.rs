@@ -1,0 +1,267 @@
+//! The full model on a GPU: the figures of the CPU in f64, its limits, and that no cutting into batches shows.
+
+mod gpu_context;
+
+use std::ops::ControlFlow;
+
+use tribochaos::backend::cpu::CpuBackend;
+use tribochaos::backend::gpu::GpuBackend;
+use tribochaos::backend::{Backend, BackendError, Slice, Stage, measure_batch};
+use tribochaos::experiment::{Precision, Preset, Scheme, Settings};
+use tribochaos::measurement::{Measurement, Status};
+use tribochaos::parameters::{Parameter, ParameterSet};
+
+/// The preset of section 5 at this zeta_k, with or without wear.
+fn preset(zeta_k: f64, k_w: f64) -> ParameterSet {
+    Preset::Paper
+        .values()
+        .iter()
+        .fold(ParameterSet::default(), |set, &(parameter, value)| {
+            set.with(parameter, value)
+        })
+        .with(Parameter::ZetaK, zeta_k)
+        .with(Parameter::KW, k_w)
+}
+
+fn settings() -> Settings {
+    Settings {
+        scheme: Some(Scheme::Radau),
+        modes: 8,
+        tolerance: 1e-4,
+        transient_periods: 60,
+        align_periods: 30,
+        periods: 60,
+        ..Settings::default()
+    }
+}
+
+fn measure(backend: &mut dyn Backend, settings: &Settings, instances: &[ParameterSet]) -> Vec<Measurement> {
+    measure_batch(backend, settings, instances, &mut |_| ControlFlow::Continue(()))
+        .unwrap()
+        .expect("nothing breaks the run off")
+}
+
+/// All of a measurement; floats in full.
+fn text(measurements: &[Measurement]) -> Vec<String> {
+    measurements
+        .iter()
+        .map(|measurement| format!("{measurement:?}"))
+        .collect()
+}
+
+fn is_near(a: f64, b: f64, part: f64) -> bool {
+    (a - b).abs() <= part * b.abs()
+}
+
+#[test]
+fn wear_and_heat_are_those_of_f64_over_the_whole_range() {
+    let Some(context) = gpu_context::open() else { return };
+    let settings = Settings {
+        periods: 30,
+        ..settings()
+    };
+    let instances: Vec<_> = (0..=24).map(|i| preset(0.5 * f64::from(i), 0.01)).collect();
+    let gpu = measure(&mut GpuBackend::new(context), &settings, &instances);
+    let cpu = measure(&mut CpuBackend::new(Precision::F64), &settings, &instances);
+    for (set, (gpu, cpu)) in instances.iter().zip(gpu.iter().zip(&cpu)) {
+        let zeta_k = set[Parameter::ZetaK];
+        assert_eq!((gpu.status, cpu.status), (Status::Ok, Status::Ok), "{zeta_k}");
+        let (a, b) = (&gpu.contact, &cpu.contact);
+        assert_eq!(a.lost.is_some(), b.lost.is_some(), "{zeta_k}");
+        // some thirty periods of chaotic transient magnify what rounding differs by
+        for (what, a, b, part) in [
+            ("contact time", a.lost.unwrap_or(1.0), b.lost.unwrap_or(1.0), 1e-4),
+            ("wear", a.final_wear, b.final_wear, 1e-4),
+            ("peak pressure", a.peak_pressure, b.peak_pressure, 1e-3),
+            ("its time", a.peak_pressure_time, b.peak_pressure_time, 1e-2),
+            ("peak temperature", a.peak_temperature, b.peak_temperature, 5e-3),
+        ] {
+            assert!(is_near(a, b, part), "{what} at {zeta_k}: {a} for {b}");
+        }
+        assert!((gpu.lyapunov - cpu.lyapunov).abs() < 1e-3, "{zeta_k}: {gpu:?} {cpu:?}");
+        assert_eq!(gpu.lyapunov_interval.round(), cpu.lyapunov_interval.round());
+    }
+}
+
+#[test]
+fn the_figures_of_section_5_come_out() {
+    let Some(context) = gpu_context::open() else { return };
+    let mut backend = GpuBackend::new(context);
+    let instances = [preset(3.5, 0.01), preset(3.9, 0.01)];
+    let expected = [
+        [65.840, 27.053, 92.321, 6.722, 296.0],
+        [72.0556, 30.206, 95.955, 6.733, 543.0],
+    ];
+    for (measured, expected) in measure(&mut backend, &settings(), &instances).iter().zip(expected) {
+        let contact = &measured.contact;
+        let found = [
+            contact.lost.unwrap_or(f64::NAN),
+            contact.final_wear,
+            contact.peak_pressure,
+            contact.peak_pressure_time,
+            contact.peak_temperature,
+        ];
+        for (i, part) in [1e-3, 1e-3, 1e-3, 1e-3, 2e-2].into_iter().enumerate() {
+            assert!(is_near(found[i], expected[i], part), "{found:?} for {expected:?}");
+        }
+    }
+    let instances = [preset(3.5, 0.0), preset(3.9, 0.0)];
+    for (measured, (period, exponent)) in measure(&mut backend, &settings(), &instances)
+        .iter()
+        .zip([(2, -0.0808), (1, -0.4474)])
+    {
+        assert_eq!((measured.status, measured.period), (Status::Ok, Some(period)));
+        assert!(is_near(measured.lyapunov, exponent, 1e-2), "{measured:?}");
+        assert!(measured.contact.lost.is_none() && measured.contact.final_wear.abs() < 1e-6);
+    }
+}
+
+#[test]
+fn short_trajectories_are_those_of_the_cpu() {
+    let Some(context) = gpu_context::open() else { return };
+    let settings = settings();
+    // wear and none, a ramp and none, a thin layer, heat alone, and neither heat nor wear
+    let instances: Vec<_> = (0..128)
+        .map(|i| {
+            let set = preset(0.1 * f64::from(i), 0.01 * f64::from(i % 3));
+            match i % 8 {
+                0 => set.with(Parameter::RampRate, 0.1),
+                7 => set.with(Parameter::Y0, -5.0),
+                1 => set
+                    .with(Parameter::Epsilon0, 1e-3)
+                    .with(Parameter::ZetaK, 0.02 * f64::from(i)),
+                2 => set.with(Parameter::Gamma, 0.0),
+                3 => set.with(Parameter::Gamma, 0.0).with(Parameter::KW, 0.0),
+                4 => set.with(Parameter::Biot, 1.0).with(Parameter::OmegaTilde, 1.0),
+                _ => set.with(Parameter::X0, 0.7),
+            }
+        })
+        .collect();
+    let mut gpu = GpuBackend::new(context);
+    let mut cpu = CpuBackend::new(Precision::F64);
+    gpu.load(&settings, &instances).unwrap();
+    cpu.load(&settings, &instances).unwrap();
+    for first in 0..3 {
+        let slice = Slice {
+            stage: Stage::Measure,
+            first,
+            periods: 1,
+            elapsed: first,
+        };
+        gpu.advance(&slice).unwrap();
+        cpu.advance(&slice).unwrap();
+        let sums = gpu.collect().unwrap().into_iter().zip(cpu.collect().unwrap());
+        let ends = gpu.end_states().unwrap().into_iter().zip(cpu.end_states().unwrap());
+        for (i, ((a, b), (a_sums, b_sums))) in ends.zip(sums).enumerate() {
+            let what = format!("{i} at {first}: {a:?} {a_sums:?} for {b:?} {b_sums:?}");
+            assert!(!a.under_resolved && !b.under_resolved, "{what}");
+            let distance = (a.x - b.x).abs().max((a.y - b.y).abs());
+            let extremes = (a.x_min - b.x_min).abs().max((a.x_max - b.x_max).abs());
+            assert!(distance < 1e-3 && extremes < 1e-3, "{what}");
+            assert!((a_sums.growth[0] - b_sums.growth[0]).abs() < 1e-2, "{what}");
+            let (a, b) = (a.contact, b.contact);
+            assert!(is_near(a.peak_pressure, b.peak_pressure, 1e-3), "{what}");
+            assert!(is_near(a.peak_temperature, b.peak_temperature, 1e-2), "{what}");
+            assert!(
+                (a.final_wear - b.final_wear).abs() < 5e-4 * (1.0 + b.final_wear),
+                "{what}"
+            );
+            assert_eq!(a.lost.is_some(), b.lost.is_some(), "{what}");
+        }
+    }
+}
+
+#[test]
+fn neither_the_batch_nor_the_slices_nor_what_ran_before_show_in_the_results() {
+    let Some(context) = gpu_context::open() else { return };
+    let settings = Settings {
+        transient_periods: 4,
+        align_periods: 2,
+        periods: 16,
+        ..settings()
+    };
+    // those with wear and those without are carried on apart
+    let instances: Vec<_> = (0..150)
+        .map(|i| preset(0.05 * f64::from(i), 0.01 * f64::from(i % 2)))
+        .collect();
+    let mut backend = GpuBackend::new(context);
+    let all = text(&measure(&mut backend, &settings, &instances));
+    let mut parts = text(&measure(&mut backend, &settings, &instances[..70]));
+    parts.extend(text(&measure(&mut backend, &settings, &instances[70..])));
+    assert_eq!(parts, all);
+    // other kernels in between, of another number of modes and of another scheme
+    let other = Settings {
+        modes: 3,
+        ..settings.clone()
+    };
+    measure(&mut backend, &other, &instances[..5]);
+    let rk4 = Settings {
+        scheme: Some(Scheme::Rk4),
+        ..settings.clone()
+    };
+    measure(&mut backend, &rk4, &[ParameterSet::default()]);
+    assert_eq!(text(&measure(&mut backend, &settings, &instances)), all);
+
+    let mut run = |cuts: &[u32]| {
+        backend.load(&settings, &instances).unwrap();
+        let mut first = 0;
+        for &periods in cuts {
+            let slice = Slice {
+                stage: Stage::Measure,
+                first,
+                periods,
+                elapsed: first,
+            };
+            backend.advance(&slice).unwrap();
+            first += periods;
+        }
+        let sums = backend.collect().unwrap();
+        assert!(backend.collect().unwrap().iter().all(|sums| sums.growth == [0.0; 2]));
+        (format!("{sums:?}"), format!("{:?}", backend.end_states().unwrap()))
+    };
+    assert_eq!(run(&[16]), run(&[1, 2, 13]));
+}
+
+#[test]
+fn runaways_are_reported_and_nothing_more_is_asked_of_them() {
+    let Some(context) = gpu_context::open() else { return };
+    let settings = Settings {
+        transient_periods: 4,
+        align_periods: 2,
+        periods: 16,
+        ..settings()
+    };
+    // where friction does not brake the bush, heat feeds on heat
+    let instances = [preset(3.0, 0.0), preset(3.0, 0.0).with(Parameter::Epsilon, 0.0)];
+    let gpu = measure(&mut GpuBackend::new(context), &settings, &instances);
+    let cpu = measure(&mut CpuBackend::new(Precision::F64), &settings, &instances);
+    assert_eq!(gpu[0].status, Status::Ok);
+    assert!(matches!(gpu[1].status, Status::Runaway { .. }), "{gpu:?}");
+    assert_eq!(gpu[1].status, cpu[1].status);
+}
+
+#[test]
+fn numbers_of_modes_beyond_the_shader_s_are_refused() {
+    let Some(context) = gpu_context::open() else { return };
+    let mut backend = GpuBackend::new(context);
+    for modes in [0, 65] {
+        let settings = Settings { modes, ..settings() };
+        let error = backend.load(&settings, &[preset(3.0, 0.0)]).unwrap_err();
+        assert!(matches!(error, BackendError::Unsupported(_)), "{error:?}");
+        assert!(
+            error.to_string().contains("64") && error.to_string().contains("--modes"),
+            "{error}"
+        );
+    }
+    // many modes still work, and give what few do
+    let load = Settings {
+        modes: 64,
+        periods: 24,
+        ..settings()
+    };
+    let [many] = measure(&mut backend, &load, &[preset(3.9, 0.01)])[..] else {
+        unreachable!()
+    };
+    assert!(is_near(many.contact.lost.unwrap(), 72.0556, 1e-4), "{many:?}");
+    assert!(is_near(many.contact.peak_temperature, 543.0, 1e-2), "{many:?}");
+}
