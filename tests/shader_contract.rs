@@ -279,6 +279,7 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
     ("model/friction", "layer_rate", "an accessor"),
     ("dynamics/decay", "empty", "for arrays that are not filled yet"),
     ("dynamics/decay", "single", "shaders are in single precision"),
+    ("dynamics/matrix", "cofactor", "of an inverse that WGSL writes out"),
     ("dynamics/matrix", "dot", "built into WGSL"),
     ("dynamics/matrix", "apply", "built into WGSL"),
     ("dynamics/matrix", "product", "built into WGSL"),
