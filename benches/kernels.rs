@@ -8,9 +8,8 @@ use divan::counter::ItemsCount;
 use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
 use tribochaos::backend::gpu::{GpuBackend, GpuContext};
 use tribochaos::backend::{Backend, Slice, Stage};
-use tribochaos::experiment::{Precision, Settings};
-use tribochaos::grid::{Axis, Grid};
-use tribochaos::parameters::{Parameter, ParameterSet};
+use tribochaos::benchmark;
+use tribochaos::experiment::{Precision, Scheme, Settings};
 
 fn main() {
     // one core: what one costs is what is compared
@@ -29,20 +28,23 @@ fn cpu(bencher: Bencher, case: &Case) {
     advance(
         bencher,
         &mut CpuBackend::with_instructions(case.precision, case.instructions),
+        case.scheme,
         case.stage,
     );
 }
 
-#[divan::bench(args = [Stage::Transient, Stage::Measure], sample_count = 9, sample_size = 1)]
-fn gpu(bencher: Bencher, stage: Stage) {
+#[divan::bench(args = [Stage::Transient, Stage::Measure], consts = [true, false], sample_count = 9, sample_size = 1)]
+fn gpu<const TAYLOR: bool>(bencher: Bencher, stage: Stage) {
+    let scheme = if TAYLOR { Scheme::Taylor } else { Scheme::Rk4 };
     match GpuContext::open(None, true) {
-        Ok(context) => advance(bencher, &mut GpuBackend::new(context), stage),
+        Ok(context) => advance(bencher, &mut GpuBackend::new(context), scheme, stage),
         Err(error) => eprintln!("no GPU benchmark: {error}"),
     }
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Case {
+    scheme: Scheme,
     instructions: InstructionSet,
     precision: Precision,
     stage: Stage,
@@ -50,7 +52,8 @@ struct Case {
 
 impl std::fmt::Display for Case {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} {:?} {:?}", self.instructions.name(), self.precision, self.stage)
+        let (scheme, instructions) = (self.scheme.name(), self.instructions.name());
+        write!(f, "{scheme} {instructions} {:?} {:?}", self.precision, self.stage)
     }
 }
 
@@ -58,27 +61,27 @@ fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for instructions in InstructionSet::available() {
         for precision in [Precision::F64, Precision::F32] {
+            // in turn, so that both schemes meet the same minute of a shared machine
             for stage in [Stage::Transient, Stage::Measure] {
-                cases.push(Case {
-                    instructions,
-                    precision,
-                    stage,
-                });
+                for scheme in [Scheme::Taylor, Scheme::Rk4] {
+                    cases.push(Case {
+                        scheme,
+                        instructions,
+                        precision,
+                        stage,
+                    });
+                }
             }
         }
     }
     cases
 }
 
-fn advance(bencher: Bencher, backend: &mut dyn Backend, stage: Stage) {
-    let axis = |parameter, stop| Axis::new(parameter, 0.0, stop, 64).expect("within the range");
-    let grid = Grid {
-        axes: vec![axis(Parameter::ZetaK, 12.0), axis(Parameter::H1, 2.0)],
-        fixed: ParameterSet::default(),
-    };
-    let instances: Vec<ParameterSet> = (0..grid.len()).map(|index| grid.point(index)).collect();
+fn advance(bencher: Bencher, backend: &mut dyn Backend, scheme: Scheme, stage: Stage) {
+    let instances = benchmark::points(1).expect("the grid is valid");
     // the slices of all iterations stay within the measured periods
     let settings = Settings {
+        scheme: Some(scheme),
         periods: 1_000_000,
         ..Settings::default()
     };

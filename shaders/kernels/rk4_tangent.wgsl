@@ -74,5 +74,6 @@ fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
         orbit.x_max,
         orbit.candidates,
         orbit.runaway_period,
+        orbit.under_resolved,
     );
 }
