@@ -11,17 +11,23 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, ScalarKind, ShaderStage, TypeInner};
 use tribochaos::backend::gpu::layout::{self, Orbit, Parameters, Run, Span, Totals, binding};
 use tribochaos::backend::gpu::rubbed::shader_source as rubbed;
-use tribochaos::backend::gpu::shader_source::{self, Kernel, PIECES, SOURCE};
+use tribochaos::backend::gpu::shader_source::{self, Kernel, Shader};
+use tribochaos::dynamics::taylor;
 
-fn module() -> Module {
-    naga::front::wgsl::parse_str(SOURCE).unwrap_or_else(|error| panic!("{}", error.emit_to_string(SOURCE)))
+/// The module of every shader.
+fn modules() -> impl Iterator<Item = (&'static Shader, Module)> {
+    Shader::all().map(|(_, shader)| {
+        let parsed = naga::front::wgsl::parse_str(shader.source);
+        let module = parsed.unwrap_or_else(|error| panic!("{}", error.emit_to_string(shader.source)));
+        (shader, module)
+    })
 }
 
 /// Valid with nothing beyond what every WebGPU device has.
-fn validated(module: &Module) -> ModuleInfo {
+fn validated(shader: &Shader, module: &Module) -> ModuleInfo {
     Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(module)
-        .unwrap_or_else(|error| panic!("{}", error.emit_to_string(SOURCE)))
+        .unwrap_or_else(|error| panic!("{}", error.emit_to_string(shader.source)))
 }
 
 /// Name, offset and type of every field, and the whole size.
@@ -67,7 +73,8 @@ fn rust_layouts() -> BTreeMap<&'static str, Layout> {
             alpha,
             beta,
             epsilon_0,
-            step_size
+            step_size,
+            unit_of_time
         }),
         layout_of!(Orbit {
             x,
@@ -105,7 +112,12 @@ fn scalar_name(inner: &TypeInner) -> String {
 
 #[test]
 fn shared_structs_are_laid_out_alike() {
-    let module = module();
+    for (_, module) in modules() {
+        assert_layouts(&module);
+    }
+}
+
+fn assert_layouts(module: &Module) {
     let rust = rust_layouts();
     let mut compared = BTreeSet::new();
     for (_, global) in module.global_variables.iter() {
@@ -137,7 +149,12 @@ fn shared_structs_are_laid_out_alike() {
 
 #[test]
 fn bindings_have_the_host_s_numbers_and_kinds() {
-    let module = module();
+    for (_, module) in modules() {
+        assert_bindings(&module);
+    }
+}
+
+fn assert_bindings(module: &Module) {
     let found: BTreeMap<u32, (String, AddressSpace)> = module
         .global_variables
         .iter()
@@ -173,7 +190,7 @@ fn bindings_have_the_host_s_numbers_and_kinds() {
 
 #[test]
 fn the_drive_table_is_as_long_as_the_host_makes_it() {
-    let module = module();
+    let (_, module) = modules().next().unwrap();
     let (_, drive) = module
         .global_variables
         .iter()
@@ -187,7 +204,12 @@ fn the_drive_table_is_as_long_as_the_host_makes_it() {
 
 #[test]
 fn every_constant_is_set_and_every_kernel_exists() {
-    let module = module();
+    for (_, module) in modules() {
+        assert_constants_and_kernels(&module);
+    }
+}
+
+fn assert_constants_and_kernels(module: &Module) {
     let names: BTreeSet<_> = module
         .overrides
         .iter()
@@ -204,15 +226,20 @@ fn every_constant_is_set_and_every_kernel_exists() {
 
 #[test]
 fn every_kernel_translates_to_every_target_language() {
-    let module = module();
-    let info = validated(&module);
+    for (shader, module) in modules() {
+        assert_translates(shader, &module);
+    }
+}
+
+fn assert_translates(shader: &Shader, module: &Module) {
+    let info = validated(shader, module);
     let constants: PipelineConstants = shader_source::constants(64)
         .into_iter()
         .map(|(name, value)| (name.to_owned(), value))
         .collect();
     for kernel in Kernel::ALL {
         let entry = (ShaderStage::Compute, kernel.entry_point());
-        let (module, info) = pipeline_constants::process_overrides(&module, &info, Some(entry), &constants).unwrap();
+        let (module, info) = pipeline_constants::process_overrides(module, &info, Some(entry), &constants).unwrap();
         let entry_point = (ShaderStage::Compute, kernel.entry_point().to_owned());
 
         let options = spv::PipelineOptions {
@@ -247,8 +274,12 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
         "by_phase",
         "for vectors along the flow, which only the f64 reference carries",
     ),
+    ("model/friction", "cubic", "an accessor"),
+    ("model/friction", "epsilon_0", "an accessor"),
+    ("model/friction", "layer_rate", "an accessor"),
     ("dynamics/decay", "empty", "for arrays that are not filled yet"),
     ("dynamics/decay", "single", "shaders are in single precision"),
+    ("dynamics/matrix", "cofactor", "of an inverse that WGSL writes out"),
     ("dynamics/matrix", "dot", "built into WGSL"),
     ("dynamics/matrix", "apply", "built into WGSL"),
     ("dynamics/matrix", "product", "built into WGSL"),
@@ -273,6 +304,8 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
     ("dynamics/adaptive", "wear", "the host reads it from the fit"),
     ("dynamics/adaptive", "running_mask", "there are no lanes to wait for"),
     ("dynamics/tangent", "start", "the host starts the vectors"),
+    ("dynamics/taylor", "unit_of_time", "the host gives it to the shader"),
+    ("dynamics/taylor", "longest_step", "the host gives it to the shader"),
     (
         "dynamics/stroboscope",
         "window",
@@ -288,9 +321,9 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
 ];
 
 /// Name and text of every piece of a shader, once.
-fn pieces() -> impl Iterator<Item = (&'static str, &'static str)> {
-    let alone = rubbed::PIECES.iter().filter(|piece| !PIECES.contains(piece));
-    PIECES.iter().chain(alone).copied()
+fn pieces() -> BTreeMap<&'static str, &'static str> {
+    let all = Shader::all().flat_map(|(_, shader)| shader.pieces);
+    all.chain(rubbed::PIECES).copied().collect()
 }
 
 /// The names after `fn `, tests left out.
@@ -339,19 +372,38 @@ fn every_function_of_a_twin_exists_on_both_sides() {
         assert_eq!(missing, alone, "{stem}: functions that only Rust has");
         pairs += 1;
     }
-    assert_eq!(pairs, 11);
+    assert_eq!(pairs, 13);
 }
 
 #[test]
 fn every_shader_file_is_compiled() {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders");
     let mut files = BTreeSet::new();
-    for folder in fs::read_dir(root).unwrap() {
-        let folder = folder.unwrap();
-        for file in fs::read_dir(folder.path()).unwrap() {
-            let file = file.unwrap().file_name();
-            files.insert(format!("{}/{}", folder.file_name().display(), file.display()));
+    let mut folders = vec![std::path::PathBuf::from(root)];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let parts = path.strip_prefix(root).unwrap().iter();
+                files.insert(parts.map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/"));
+            }
         }
     }
-    assert_eq!(files, pieces().map(|(name, _)| name.to_owned()).collect());
+    assert_eq!(files, pieces().into_keys().map(str::to_owned).collect());
+}
+
+/// `TRIBOCHAOS_UPDATE_SHADERS=1` writes it anew instead.
+#[test]
+fn the_generated_shader_is_what_the_recurrences_print() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/generated/taylor.wgsl");
+    let text = taylor::wgsl::source();
+    if std::env::var_os("TRIBOCHAOS_UPDATE_SHADERS").is_some() {
+        fs::write(file, &text).unwrap();
+    }
+    assert!(
+        fs::read_to_string(file).unwrap() == text,
+        "{file} is out of date: TRIBOCHAOS_UPDATE_SHADERS=1 cargo test --test shader_contract, and build again"
+    );
 }

@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
 use tribochaos::backend::{Backend, Slice, Stage, measure_batch};
-use tribochaos::experiment::{Precision, Settings};
+use tribochaos::experiment::{Precision, Scheme, Settings};
 use tribochaos::measurement::Class;
 
 use points::line;
@@ -16,8 +16,19 @@ use points::line;
 #[test]
 fn short_trajectories_part_no_faster_than_roundings_add_up() {
     let Some(context) = gpu_context::open() else { return };
-    let (settings, instances) = (Settings::default(), line(256));
     let mut gpu = GpuBackend::new(context);
+    // a step of taylor rounds some ten times as often as one of rk4, and where it ends depends on rounded speeds
+    for (scheme, of_a_step) in [(Scheme::Taylor, 1.5e-6), (Scheme::Rk4, 1.5e-7)] {
+        assert_short_trajectories(&mut gpu, scheme, of_a_step);
+    }
+}
+
+fn assert_short_trajectories(gpu: &mut GpuBackend, scheme: Scheme, of_a_step: f64) {
+    let instances = line(256);
+    let settings = Settings {
+        scheme: Some(scheme),
+        ..Settings::default()
+    };
     for precision in [Precision::F32, Precision::F64] {
         let mut cpu = CpuBackend::new(precision);
         gpu.load(&settings, &instances).unwrap();
@@ -46,10 +57,13 @@ fn short_trajectories_part_no_faster_than_roundings_add_up() {
                         .fold((a.divergence - b.divergence).abs(), f64::max)
                 })
                 .fold(0.0, f64::max);
-            let bound = 1.5e-7 * f64::from(settings.steps_per_period() * (first + 1));
-            assert!(worst < bound, "{precision:?}, period {first}: {worst}");
+            let bound = of_a_step * f64::from(settings.steps_per_period() * (first + 1));
+            assert!(worst < bound, "{scheme:?} {precision:?}, period {first}: {worst}");
             // the tangent vectors feel where in a step the layer's boundary is crossed
-            assert!(worst_sum < 10.0 * bound, "{precision:?}, period {first}: {worst_sum}");
+            assert!(
+                worst_sum < 10.0 * bound,
+                "{scheme:?} {precision:?}, period {first}: {worst_sum}"
+            );
         }
     }
 }
@@ -78,7 +92,13 @@ fn long_orbits_agree_closely_where_regular_and_within_their_errors_where_chaotic
         if b.class == Some(Class::Regular) && b.period.is_some() && b.lyapunov < -0.03 {
             assert_eq!((a.class, a.period), (b.class, b.period), "{i}");
             let extremes = (a.x_min - b.x_min).abs().max((a.x_max - b.x_max).abs());
-            assert!(difference < 1e-4 && extremes < 1e-4, "{i}: {a:?} {b:?}");
+            // of a complex pair the vectors turn, and a finite window's exponent with them
+            let tolerance = if b.lyapunov - b.lyapunov_second < 2e-3 {
+                2e-3
+            } else {
+                1e-4
+            };
+            assert!(difference < tolerance && extremes < 1e-4, "{i}: {a:?} {b:?}");
             regular += 1;
         } else if b.lyapunov > 8.0 * b.lyapunov_error {
             let error = a.lyapunov_error.hypot(b.lyapunov_error);

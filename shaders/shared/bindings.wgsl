@@ -37,8 +37,10 @@ struct Parameters {
     alpha: f32,
     beta: f32,
     epsilon_0: f32,
-    // Length of a step in units of tau.
+    // Of rk4, in units of tau; of taylor the longest step, in its unit of time.
     step_size: f32,
+    // Taylor's unit of time, in units of tau.
+    unit_of_time: f32,
 }
 
 // One instance as it is carried along: state, tangent vectors, extremes of x, and what its periods showed.

@@ -134,7 +134,7 @@ pub struct State<R: Real> {
     sin: R,
     cos: R,
     /// Index of the piece of the friction law that v moves on.
-    piece: R,
+    pub piece: R,
     /// Ticks to the period's end.
     pub left: R::Ticks,
 }

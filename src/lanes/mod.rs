@@ -3,12 +3,14 @@
 //! Owns arithmetic, masks and the passage between lanes and f64; knows nothing of the model. The model's source is
 //! written once over [`Real`] and serves f64 (the reference), dual numbers (in tests), and lanes of f64 and f32.
 
+mod pair;
 mod wide;
 #[cfg(all(target_arch = "x86_64", not(test)))]
 pub(crate) mod x86;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+pub use pair::Pair;
 pub use wide::Wide;
 
 /// A real number, or several side by side in lanes.

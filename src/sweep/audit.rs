@@ -172,15 +172,27 @@ mod tests {
         assert_eq!(chosen(1), [(Some(Class::Chaotic), 1)]);
         assert_eq!(
             chosen(5),
-            [(Some(Class::Chaotic), 2), (Some(Class::Regular), 2), (Some(Class::Undecided), 1)]
+            [
+                (Some(Class::Chaotic), 2),
+                (Some(Class::Regular), 2),
+                (Some(Class::Undecided), 1)
+            ]
         );
         assert_eq!(
             chosen(32),
-            [(Some(Class::Chaotic), 3), (Some(Class::Regular), 28), (Some(Class::Undecided), 1)]
+            [
+                (Some(Class::Chaotic), 3),
+                (Some(Class::Regular), 28),
+                (Some(Class::Undecided), 1)
+            ]
         );
         assert_eq!(
             chosen(1000),
-            [(Some(Class::Chaotic), 3), (Some(Class::Regular), 96), (Some(Class::Undecided), 1)]
+            [
+                (Some(Class::Chaotic), 3),
+                (Some(Class::Regular), 96),
+                (Some(Class::Undecided), 1)
+            ]
         );
     }
 

@@ -14,4 +14,5 @@ mod oracle;
 mod rubbed;
 mod statistics;
 mod tangent;
+mod taylor;
 mod thermal_oracle;

@@ -18,9 +18,9 @@ pub use self::instructions::InstructionSet;
 use self::radau::RadauBlock;
 use self::rk4::Rk4Block;
 use self::taylor::TaylorBlock;
-use super::{Backend, BackendError, EndState, Slice, Sums};
+use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
 use crate::experiment::{Precision, Scheme, Settings};
-use crate::lanes::{Real, Wide};
+use crate::lanes::{Pair, Real, Wide};
 use crate::measurement::BackendKind;
 use crate::parameters::ParameterSet;
 
@@ -31,10 +31,6 @@ use crate::lanes::x86::{F32x8, F32x16, F64x4, F64x8};
 const RK4_IN_FLIGHT: usize = 2;
 /// Groups of so many vectors that make a block of rk4.
 const RK4_GROUPS: usize = 3;
-/// Vectors that make a block of the Taylor scheme, in flight together where there are no tangent vectors.
-const TAYLOR_GROUPS: usize = 2;
-/// Numbers that stand for a vector of the portable set.
-const PORTABLE: usize = 2;
 
 /// Integrates on all cores of the machine.
 pub struct CpuBackend {
@@ -111,8 +107,8 @@ impl Backend for CpuBackend {
             (InstructionSet::Avx2, Precision::F64) => batch::<Avx2, F64x4>(settings, instances),
             #[cfg(all(target_arch = "x86_64", not(test)))]
             (InstructionSet::Avx2, Precision::F32) => batch::<Avx2, F32x8>(settings, instances),
-            (_, Precision::F64) => batch::<Portable, Wide<f64, PORTABLE>>(settings, instances),
-            (_, Precision::F32) => batch::<Portable, Wide<f32, PORTABLE>>(settings, instances),
+            (_, Precision::F64) => batch::<Portable, Pair<f64>>(settings, instances),
+            (_, Precision::F32) => batch::<Portable, Pair<f32>>(settings, instances),
         });
         Ok(())
     }
@@ -137,7 +133,7 @@ fn batch<I: Instructions, V: Real + Send + Sync + 'static>(
     instances: &[ParameterSet],
 ) -> Box<dyn Batch> {
     match settings.scheme() {
-        Scheme::Taylor => Box::new(Blocks::<I, TaylorBlock<V, TAYLOR_GROUPS>>::new(settings, instances)),
+        Scheme::Taylor => Box::new(Blocks::<I, TaylorBlock<V>>::new(settings, instances)),
         Scheme::Radau => Box::new(Blocks::<I, RadauBlock<V>>::new(settings, instances)),
         Scheme::Rk4 => Box::new(Blocks::<I, Rk4Block<Wide<V, RK4_IN_FLIGHT>, RK4_GROUPS>>::new(
             settings, instances,
@@ -164,9 +160,19 @@ trait Block: Send + Sync + Sized {
     /// A block of at most [`Block::INSTANCES`] instances; it is filled up with copies of the last one.
     fn new(settings: &Settings, instances: &[ParameterSet]) -> Self;
 
-    /// Carries the block on by a slice. It must be `#[inline(always)]`, as is all that it calls in its loops, so that it
-    /// is compiled for its caller's instruction set.
+    /// Whether the transient is [`Block::advance_plain`]'s; it is a function of its own since compilers take much longer
+    /// over twice as much in one.
+    const IS_SPLIT: bool = false;
+
+    /// Carries the block on by a slice; sums up where its stage is to be measured. As the next function, it must be
+    /// `#[inline(always)]`, as is all that it calls in its loops, so that it is compiled for its caller's instruction set.
     fn advance(&mut self, run: &Self::Run, slice: &Slice);
+
+    /// Carries the motion alone on by a slice.
+    #[inline(always)]
+    fn advance_plain(&mut self, _: &Self::Run, _: &Slice) {
+        unreachable!("only a split block is advanced in this way")
+    }
 
     /// Sums of an instance since they were last cleared.
     fn sums(&self, index: usize) -> Sums;
@@ -176,6 +182,12 @@ trait Block: Send + Sync + Sized {
 
 /// An instruction set that blocks are compiled for.
 trait Instructions: 'static {
+    /// [`Block::advance_plain`] with these instructions.
+    ///
+    /// # Safety
+    /// The machine must have them.
+    unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice);
+
     /// [`Block::advance`] with these instructions.
     ///
     /// # Safety
@@ -192,6 +204,10 @@ struct Portable;
 #[cfg(all(target_arch = "x86_64", not(test)))]
 impl Instructions for Avx512 {
     #[target_feature(enable = "avx512f,avx2,fma")]
+    unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        block.advance_plain(run, slice);
+    }
+    #[target_feature(enable = "avx512f,avx2,fma")]
     unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
         block.advance(run, slice);
     }
@@ -200,12 +216,19 @@ impl Instructions for Avx512 {
 #[cfg(all(target_arch = "x86_64", not(test)))]
 impl Instructions for Avx2 {
     #[target_feature(enable = "avx2,fma")]
+    unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        block.advance_plain(run, slice);
+    }
+    #[target_feature(enable = "avx2,fma")]
     unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
         block.advance(run, slice);
     }
 }
 
 impl Instructions for Portable {
+    unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        block.advance_plain(run, slice);
+    }
     unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
         block.advance(run, slice);
     }
@@ -241,9 +264,14 @@ impl<I: Instructions, B: Block> Blocks<I, B> {
 impl<I: Instructions, B: Block> Batch for Blocks<I, B> {
     fn advance(&mut self, slice: &Slice) {
         let run = &self.run;
+        let advance = if B::IS_SPLIT && slice.stage == Stage::Transient {
+            I::plain::<B>
+        } else {
+            I::advance::<B>
+        };
         self.blocks.par_iter_mut().for_each(|block| {
             // SAFETY: `CpuBackend` pairs lanes and instructions with the set that it has found available.
-            unsafe { I::advance(block, run, slice) };
+            unsafe { advance(block, run, slice) };
         });
     }
 

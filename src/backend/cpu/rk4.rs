@@ -33,6 +33,7 @@ pub(super) struct Rk4Block<R, const G: usize> {
 impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
     type Run = Run<R::Scalar>;
     const INSTANCES: usize = R::LANES * G;
+    const IS_SPLIT: bool = true;
 
     fn run(settings: &Settings) -> Self::Run {
         Run {
@@ -57,20 +58,30 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
     }
 
     #[inline(always)]
-    fn advance(&mut self, run: &Self::Run, slice: &Slice) {
+    fn advance_plain(&mut self, run: &Self::Run, slice: &Slice) {
         for n in 0..slice.periods {
-            if slice.stage == Stage::Transient {
-                self.period(run);
-            }
+            self.period(run);
             for group in &mut self.groups {
-                match slice.stage {
-                    Stage::Transient => {}
-                    Stage::Align => {
-                        group.period_with_tangent(run);
-                    }
-                    Stage::Measure => group.measured_period(run, slice.first + n),
-                }
                 let State { x, y } = group.state;
+                group.record.note_runaways(x, y, slice.elapsed + n + 1);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, run: &Self::Run, slice: &Slice) {
+        let is_measured = slice.stage == Stage::Measure;
+        for n in 0..slice.periods {
+            for group in &mut self.groups {
+                let index = slice.first + n;
+                if is_measured && index == 0 {
+                    group.record.begin(group.state.x);
+                }
+                let (growth, divergence) = group.period_with_tangent(run);
+                let State { x, y } = group.state;
+                if is_measured {
+                    group.record.add(&run.measuring, index, growth, divergence, x, y);
+                }
                 group.record.note_runaways(x, y, slice.elapsed + n + 1);
             }
         }
@@ -182,15 +193,5 @@ impl<R: Real> Group<R> {
         (self.state, self.bases) = (state, bases);
         (self.record.x_min, self.record.x_max) = (x_min, x_max);
         (growth, divergence)
-    }
-
-    #[inline(always)]
-    fn measured_period(&mut self, run: &Run<R::Scalar>, index: u32) {
-        if index == 0 {
-            self.record.begin(self.state.x);
-        }
-        let (growth, divergence) = self.period_with_tangent(run);
-        let State { x, y } = self.state;
-        self.record.add(&run.measuring, index, growth, divergence, x, y);
     }
 }

@@ -7,22 +7,23 @@ use super::super::{EndState, Slice, Stage, Sums};
 use super::Block;
 use super::record::{Measuring, Record};
 use crate::dynamics::tangent::{Growth, Vector};
-use crate::dynamics::taylor::growth::Area;
+use crate::dynamics::taylor::growth::{Area, RENEWAL_STEPS};
 use crate::dynamics::taylor::{self, COEFFICIENTS, Flow, MAX_PASSES, TICKS_PER_PERIOD};
 use crate::experiment::Settings;
-use crate::lanes::{Real, Ticks, Wide};
+use crate::lanes::{Pair, Real, Ticks};
 use crate::parameters::{Parameter, ParameterSet};
 
-/// The instances of `G` groups. The motion alone is stepped for all groups together: the steps of one wait for each other
+/// The instances of two groups. The motion alone is stepped for both together: the operations of one wait for each other
 /// too long to fill the machine. With tangent vectors a group has work enough of its own.
-pub(super) struct TaylorBlock<R, const G: usize> {
-    flow: Flow<Wide<R, G>>,
-    groups: [Group<R>; G],
+pub(super) struct TaylorBlock<R> {
+    flow: Flow<Pair<R>>,
+    groups: [Group<R>; 2],
 }
 
-impl<R: Real + Send + Sync, const G: usize> Block for TaylorBlock<R, G> {
+impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
     type Run = Measuring;
-    const INSTANCES: usize = R::LANES * G;
+    const INSTANCES: usize = 2 * R::LANES;
+    const IS_SPLIT: bool = true;
 
     fn run(settings: &Settings) -> Measuring {
         Measuring::new(settings)
@@ -38,22 +39,29 @@ impl<R: Real + Send + Sync, const G: usize> Block for TaylorBlock<R, G> {
     }
 
     #[inline(always)]
-    fn advance(&mut self, run: &Measuring, slice: &Slice) {
+    fn advance_plain(&mut self, _: &Measuring, slice: &Slice) {
         for n in 0..slice.periods {
-            if slice.stage == Stage::Transient {
-                self.period();
-            }
+            self.period();
             for group in &mut self.groups {
-                match slice.stage {
-                    Stage::Transient => {}
-                    Stage::Align => {
-                        group.period_with_tangent();
-                    }
-                    Stage::Measure => group.measured_period(run, slice.first + n),
+                group.note_runaways(slice.elapsed + n + 1);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, run: &Measuring, slice: &Slice) {
+        let is_measured = slice.stage == Stage::Measure;
+        for n in 0..slice.periods {
+            for group in &mut self.groups {
+                let index = slice.first + n;
+                if is_measured && index == 0 {
+                    group.record.begin(group.x);
                 }
-                if group.record.note_runaways(group.x, group.y, slice.elapsed + n + 1) {
-                    group.stop_lanes();
+                let (growth, divergence) = group.period_with_tangent();
+                if is_measured {
+                    group.record.add(run, index, growth, divergence, group.x, group.y);
                 }
+                group.note_runaways(slice.elapsed + n + 1);
             }
         }
     }
@@ -74,24 +82,22 @@ impl<R: Real + Send + Sync, const G: usize> Block for TaylorBlock<R, G> {
     }
 }
 
-impl<R: Real, const G: usize> TaylorBlock<R, G> {
+impl<R: Real> TaylorBlock<R> {
     /// One forcing period of the motion alone.
     #[inline(always)]
     fn period(&mut self) {
-        let x = Wide::from_parts(|group| self.groups[group].x);
-        let w = Wide::from_parts(|group| self.groups[group].y * self.groups[group].unit);
-        let period = Wide::from_parts(|group| self.groups[group].period);
-        let mut state = self.flow.start(x, w, period.to_ticks());
+        let [a, b] = &mut self.groups;
+        let x = Pair(a.x, b.x);
+        let w = Pair(a.y * a.unit, b.y * b.unit);
+        let mut state = self.flow.start(x, w, Pair(a.period, b.period).to_ticks());
         for _ in 0..MAX_PASSES {
             if state.left.all_zero() {
                 break;
             }
-            (_, state) = taylor::step::<Wide<R, G>, COEFFICIENTS>(&self.flow, &state);
+            (_, state) = taylor::step::<Pair<R>, COEFFICIENTS>(&self.flow, &state);
         }
-        let (x, w) = (state.x.parts(), state.w.parts());
-        for (n, group) in self.groups.iter_mut().enumerate() {
-            group.end(x[n], w[n], state.left[n]);
-        }
+        a.end(state.x.0, state.w.0, state.left.0);
+        b.end(state.x.1, state.w.1, state.left.1);
     }
 }
 
@@ -157,7 +163,7 @@ impl<R: Real> Group<R> {
             first = step.series.vector_at(first, step.s);
             area.second = step.series.vector_at(area.second, step.s);
             divergence = divergence + step.series.divergence_to(step.s);
-            if pass.is_multiple_of(Area::<R>::STEPS) {
+            if pass.is_multiple_of(RENEWAL_STEPS) {
                 area.renew(first, R::from_ticks(state.left));
             }
             x_min = x_min.min(turning).min(end.x);
@@ -172,12 +178,10 @@ impl<R: Real> Group<R> {
     }
 
     #[inline(always)]
-    fn measured_period(&mut self, run: &Measuring, index: u32) {
-        if index == 0 {
-            self.record.begin(self.x);
+    fn note_runaways(&mut self, period: u32) {
+        if self.record.note_runaways(self.x, self.y, period) {
+            self.stop_lanes();
         }
-        let (growth, divergence) = self.period_with_tangent();
-        self.record.add(run, index, growth, divergence, self.x, self.y);
     }
 
     /// Takes the state in which a period ended, with the ticks that it still had to go.

@@ -9,7 +9,7 @@ use super::context::GpuContext;
 use super::layout::{self, DRIVE_ENTRIES, LAST_STATES_SIZE, Orbit, Parameters, Run, Span, Totals, binding};
 use crate::backend::BackendError;
 use crate::dynamics::statistics;
-use crate::experiment::Settings;
+use crate::experiment::{Scheme, Settings};
 use crate::parameters::ParameterSet;
 
 /// Buffers for a batch of up to `instances`, measured over up to `periods`.
@@ -104,15 +104,17 @@ impl Buffers {
             .into_iter()
             .map(|weight| weight as f32)
             .collect();
-        let parameters: Vec<Parameters> = instances
-            .iter()
-            .map(|set| Parameters::new(set, settings.steps_per_period()))
-            .collect();
+        let parameters: Vec<Parameters> = instances.iter().map(|set| Parameters::new(set, settings)).collect();
         let orbits: Vec<Orbit> = instances.iter().map(Orbit::start).collect();
         let run = Run::new(settings, instances.len() as u32);
-        let drive = layout::drive_entries(settings.steps_per_period());
         write(context, &self.run, &[run]);
-        write(context, &self.drive, &drive);
+        if settings.scheme() == Scheme::Rk4 {
+            write(
+                context,
+                &self.drive,
+                &layout::drive_entries(settings.steps_per_period()),
+            );
+        }
         write(context, &self.birkhoff_weights, &weights);
         write(context, &self.parameters, &parameters);
         write(context, &self.orbits, &orbits);

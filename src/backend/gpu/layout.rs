@@ -11,7 +11,8 @@ use crate::backend::{EndState, Sums};
 use crate::dynamics::drive::DriveTable;
 use crate::dynamics::stroboscope::{self, MAX_PERIOD};
 use crate::dynamics::tangent::Bases;
-use crate::experiment::Settings;
+use crate::dynamics::taylor;
+use crate::experiment::{Scheme, Settings};
 use crate::measurement::Contact;
 use crate::parameters::{Parameter, ParameterSet};
 
@@ -85,11 +86,17 @@ pub struct Parameters {
     pub beta: f32,
     pub epsilon_0: f32,
     pub step_size: f32,
+    pub unit_of_time: f32,
 }
 
 impl Parameters {
-    pub fn new(set: &ParameterSet, steps_per_period: u32) -> Self {
+    pub fn new(set: &ParameterSet, settings: &Settings) -> Self {
         let value = |parameter| set[parameter] as f32;
+        let (omega_0, steps) = (set[Parameter::Omega0], settings.steps_per_period());
+        let step_size = match settings.scheme() {
+            Scheme::Taylor => taylor::longest_step(omega_0, steps),
+            Scheme::Rk4 | Scheme::Radau => TAU / (omega_0 * f64::from(steps)),
+        };
         Self {
             zeta_k: value(Parameter::ZetaK),
             h1: value(Parameter::H1),
@@ -100,7 +107,8 @@ impl Parameters {
             alpha: value(Parameter::Alpha),
             beta: value(Parameter::Beta),
             epsilon_0: value(Parameter::Epsilon0),
-            step_size: (TAU / (set[Parameter::Omega0] * f64::from(steps_per_period))) as f32,
+            step_size: step_size as f32,
+            unit_of_time: taylor::unit_of_time(omega_0) as f32,
         }
     }
 }

@@ -21,7 +21,7 @@ use self::buffers::Buffers;
 use self::layout::{LAST_STATES_SIZE, MAX_STEPS_PER_PERIOD, Span};
 use self::pacer::{Load, Pacer};
 use self::rubbed::RubbedBatch;
-use self::shader_source::Kernel;
+use self::shader_source::{Kernel, Shader};
 use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
 use crate::experiment::{ExperimentError, MAX_MODES, MIN_EPSILON_0_F32, Scheme, Settings};
 use crate::measurement::BackendKind;
@@ -35,8 +35,10 @@ const SOFTWARE_BATCH: u64 = 1 << 13;
 /// Integrates on a GPU.
 pub struct GpuBackend {
     context: GpuContext,
-    /// One a kernel.
-    pacers: [Pacer; Kernel::ALL.len()],
+    /// One a kernel of each scheme.
+    pacers: [[Pacer; Kernel::ALL.len()]; Scheme::ALL.len()],
+    /// Of the batch.
+    scheme: Scheme,
     buffers: Option<Buffers>,
     load: Load,
     /// Of the full model.
@@ -56,6 +58,7 @@ impl GpuBackend {
         Self {
             context,
             pacers: Default::default(),
+            scheme: Scheme::Taylor,
             buffers: None,
             load,
             rubbed: None,
@@ -74,7 +77,14 @@ impl GpuBackend {
     }
 
     fn check(&self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
-        if settings.steps_per_period() > MAX_STEPS_PER_PERIOD {
+        let scheme = settings.scheme();
+        if Shader::of(scheme).is_none() {
+            return Err(BackendError::Unsupported(format!(
+                "the scheme {} has no GPU kernels: use --backend cpu",
+                scheme.name()
+            )));
+        }
+        if scheme == Scheme::Rk4 && settings.steps_per_period() > MAX_STEPS_PER_PERIOD {
             return Err(BackendError::Unsupported(format!(
                 "{} steps a period are more than the {MAX_STEPS_PER_PERIOD} that the GPU's drive table holds: use \
                  --backend cpu or fewer --steps-per-period",
@@ -115,7 +125,8 @@ impl GpuBackend {
         buffers.set_span(&self.context, span);
         let mut encoder = self.context.device().create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(pipelines.kernel(kernel));
+        let shader = Shader::of(self.scheme).expect("a batch is loaded only for schemes that have a shader");
+        pass.set_pipeline(pipelines.kernel(self.context.device(), self.scheme, shader, kernel));
         pass.set_bind_group(0, buffers.bindings(), &[]);
         pass.dispatch_workgroups(span.instances.div_ceil(pipelines.workgroup_size()), 1, 1);
         drop(pass);
@@ -164,6 +175,7 @@ impl Backend for GpuBackend {
             self.buffers = Some(Buffers::new(&self.context, instances.len(), settings.periods)?);
         }
         self.load.instances = instances.len() as u32;
+        self.scheme = settings.scheme();
         self.load.steps_per_period = settings.steps_per_period();
         self.buffers().fill(&self.context, settings, instances);
         self.context.check()
@@ -180,11 +192,11 @@ impl Backend for GpuBackend {
         let load = self.load;
         let mut done = 0;
         while done < slice.periods {
-            let periods = self.pacers[kernel as usize].periods(&load, slice.periods - done);
+            let periods = self.pacers[self.scheme as usize][kernel as usize].periods(&load, slice.periods - done);
             let mut first_instance = 0;
             while first_instance < load.instances {
                 let left = load.instances - first_instance;
-                let instances = self.pacers[kernel as usize].instances(&load, periods, left);
+                let instances = self.pacers[self.scheme as usize][kernel as usize].instances(&load, periods, left);
                 let started = Instant::now();
                 self.dispatch(
                     kernel,
@@ -197,7 +209,7 @@ impl Backend for GpuBackend {
                         measured: u32::from(slice.stage == Stage::Measure),
                     },
                 )?;
-                self.pacers[kernel as usize].record(&load, periods, instances, started.elapsed());
+                self.pacers[self.scheme as usize][kernel as usize].record(&load, periods, instances, started.elapsed());
                 first_instance += instances;
             }
             done += periods;

@@ -2,59 +2,76 @@
 //!
 //! Owns compilation, done once a device; knows nothing of what the buffers hold.
 
+use std::sync::OnceLock;
+
 use super::layout::{DRIVE_ENTRIES, Orbit};
 use super::layout::{Parameters, Run, Span, Totals, binding};
-use super::shader_source::{self, Kernel};
+use super::shader_source::{self, Kernel, Shader};
+use crate::experiment::Scheme;
 
-/// The kernels of one device.
+/// The kernels of one scheme.
+type Kernels = [wgpu::ComputePipeline; Kernel::ALL.len()];
+
+/// The kernels of one device, a scheme's compiled when they are first asked for.
 pub struct Pipelines {
     layout: wgpu::BindGroupLayout,
-    kernels: [wgpu::ComputePipeline; Kernel::ALL.len()],
+    kernels: [OnceLock<Kernels>; Scheme::ALL.len()],
     workgroup_size: u32,
 }
 
 impl Pipelines {
-    /// Compiles the kernels; errors are left to the device's error handler.
+    /// Compiles nothing yet; errors are left to the device's error handler.
     pub fn new(device: &wgpu::Device, workgroup_size: u32) -> Self {
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("batch"),
             entries: &entries(),
         });
+        Self {
+            layout,
+            kernels: Default::default(),
+            workgroup_size,
+        }
+    }
+
+    /// A kernel of a scheme's shader, compiled by the first call; errors are left to the device's error handler.
+    pub fn kernel(
+        &self,
+        device: &wgpu::Device,
+        scheme: Scheme,
+        shader: &Shader,
+        kernel: Kernel,
+    ) -> &wgpu::ComputePipeline {
+        let kernels = self.kernels[scheme as usize].get_or_init(|| self.compile(device, shader));
+        &kernels[kernel as usize]
+    }
+
+    fn compile(&self, device: &wgpu::Device, shader: &Shader) -> Kernels {
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("batch"),
-            bind_group_layouts: &[Some(&layout)],
+            bind_group_layouts: &[Some(&self.layout)],
             immediate_size: 0,
         });
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("tribochaos"),
-            source: wgpu::ShaderSource::Wgsl(shader_source::SOURCE.into()),
+            source: wgpu::ShaderSource::Wgsl(shader.source.into()),
         });
-        let kernels = Kernel::ALL.map(|kernel| {
+        Kernel::ALL.map(|kernel| {
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(kernel.entry_point()),
                 layout: Some(&pipeline_layout),
                 module: &module,
                 entry_point: Some(kernel.entry_point()),
                 compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: &shader_source::constants(workgroup_size),
+                    constants: &shader_source::constants(self.workgroup_size),
                     ..Default::default()
                 },
                 cache: None,
             })
-        });
-        Self {
-            layout,
-            kernels,
-            workgroup_size,
-        }
+        })
     }
 
     pub fn layout(&self) -> &wgpu::BindGroupLayout {
         &self.layout
-    }
-
-    pub fn kernel(&self, kernel: Kernel) -> &wgpu::ComputePipeline {
-        &self.kernels[kernel as usize]
     }
 
     pub fn workgroup_size(&self) -> u32 {

@@ -1,22 +1,32 @@
-//! The shader as it is compiled: its pieces put together, and the constants that it takes from the host.
+//! The shaders as they are compiled, one a scheme: pieces put together, and the constants taken from the host.
 //!
 //! Owns which pieces there are and in what order; knows nothing of devices.
 
 use crate::dynamics::stroboscope::MAX_PERIOD;
 use crate::dynamics::tangent::SMALLEST_SQUARE;
+use crate::experiment::Scheme;
 use crate::measurement::RUNAWAY_BOUND;
 
-macro_rules! pieces {
-    ($($name:literal)*) => {
-        /// Name, below `shaders/`, and text of every piece.
-        pub const PIECES: &[(&str, &str)] = &[$(($name, include_str!(concat!("../../../shaders/", $name)))),*];
+/// The shader of a scheme.
+#[derive(Clone, Copy, Debug)]
+pub struct Shader {
+    /// Name, below `shaders/`, and text of every piece.
+    pub pieces: &'static [(&'static str, &'static str)],
+    /// The pieces in one text.
+    pub source: &'static str,
+}
 
-        /// The pieces in one text.
-        pub const SOURCE: &str = concat!($(include_str!(concat!("../../../shaders/", $name)), "\n"),*);
+macro_rules! shader {
+    ($shader:ident: $($name:literal)*) => {
+        static $shader: Shader = Shader {
+            pieces: &[$(($name, include_str!(concat!("../../../shaders/", $name)))),*],
+            source: concat!($(include_str!(concat!("../../../shaders/", $name)), "\n"),*),
+        };
     };
 }
 
-pieces! {
+shader! {
+    RK4:
     "shared/bindings.wgsl"
     "shared/runaway.wgsl"
     "model/friction.wgsl"
@@ -24,11 +34,44 @@ pieces! {
     "dynamics/tangent.wgsl"
     "dynamics/rk4.wgsl"
     "dynamics/stroboscope.wgsl"
-    "kernels/advance_plain.wgsl"
-    "kernels/advance_tangent.wgsl"
+    "kernels/rk4_plain.wgsl"
+    "kernels/rk4_tangent.wgsl"
 }
 
-/// A kernel of [`SOURCE`].
+shader! {
+    TAYLOR:
+    "shared/bindings.wgsl"
+    "shared/runaway.wgsl"
+    "model/friction.wgsl"
+    "model/motion.wgsl"
+    "dynamics/tangent.wgsl"
+    "generated/taylor.wgsl"
+    "dynamics/taylor.wgsl"
+    "dynamics/taylor/growth.wgsl"
+    "dynamics/stroboscope.wgsl"
+    "kernels/taylor_plain.wgsl"
+    "kernels/taylor_tangent.wgsl"
+}
+
+impl Shader {
+    /// The shader of a scheme; None if it has no kernels on a GPU.
+    pub fn of(scheme: Scheme) -> Option<&'static Self> {
+        match scheme {
+            Scheme::Rk4 => Some(&RK4),
+            Scheme::Taylor => Some(&TAYLOR),
+            Scheme::Radau => None,
+        }
+    }
+
+    /// Every scheme's.
+    pub fn all() -> impl Iterator<Item = (Scheme, &'static Self)> {
+        Scheme::ALL
+            .into_iter()
+            .filter_map(|scheme| Some((scheme, Self::of(scheme)?)))
+    }
+}
+
+/// A kernel of a scheme's shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kernel {
     /// The motion alone.

@@ -10,6 +10,10 @@
 use crate::dynamics::tangent::{Growth, SMALLEST_SQUARE, Vector};
 use crate::lanes::Real;
 
+/// Steps between two renewals of the second vector: few enough for it to keep half of f32's digits in the layer, where it
+/// turns towards the first fastest.
+pub const RENEWAL_STEPS: u32 = 8;
+
 /// The second vector, and the area that both have spanned since the period began.
 #[derive(Clone, Copy, Debug)]
 pub struct Area<R> {
@@ -18,10 +22,6 @@ pub struct Area<R> {
 }
 
 impl<R: Real> Area<R> {
-    /// Steps between two renewals of the second vector: few enough for it to keep half of f32's digits in the layer, where
-    /// it turns towards the first fastest.
-    pub const STEPS: u32 = 8;
-
     /// With a second vector that spans the area 1 with the first.
     #[inline(always)]
     pub fn new(first: Vector<R>) -> Self {

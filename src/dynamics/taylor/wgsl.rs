@@ -7,6 +7,7 @@ use std::cell::RefCell;
 use std::fmt::Write as _;
 use std::ops::{Add, Mul, Neg, Sub};
 
+use super::growth::RENEWAL_STEPS;
 use super::number::Number;
 use super::series::{Local, Series, UNITS_PER_PERIOD};
 use super::{AT_BOUNDARY, BEYOND, COEFFICIENTS, FREE_STEP, LAYER_STEP, LEAST_STEP, MAX_PASSES, REACH, TICKS_PER_UNIT};
@@ -182,10 +183,12 @@ fn constants() -> String {
         ("AT_BOUNDARY", AT_BOUNDARY),
         ("TICKS_PER_UNIT", f64::from(TICKS_PER_UNIT)),
         ("UNITS_PER_PERIOD", f64::from(UNITS_PER_PERIOD)),
+        ("TAU", std::f64::consts::TAU),
     ] {
         let _ = writeln!(text, "const {name}: f32 = {value:?};");
     }
     let _ = writeln!(text, "const TICKS_PER_PERIOD: u32 = {}u;", super::TICKS_PER_PERIOD);
+    let _ = writeln!(text, "const RENEWAL_STEPS: u32 = {RENEWAL_STEPS}u;");
     let _ = writeln!(text, "const MAX_PASSES: u32 = {MAX_PASSES}u;\n");
     text
 }

@@ -1,0 +1,183 @@
+// The Taylor scheme whose steps end at the boundaries of the friction layer, around the generated text of the series.
+// Twin: src/dynamics/taylor.rs.
+
+// What does not change along an orbit, in the units of the series.
+struct Flow {
+    linear: f32,
+    minus_b: f32,
+    minus_damping: f32,
+    omega_k: f32,
+    zeta_k: f32,
+    friction: Friction,
+    epsilon_0: f32,
+    longest: f32,
+    longest_in_layer: f32,
+}
+
+// A state within a period.
+struct State {
+    x: f32,
+    // Angular speed times the unit of time.
+    w: f32,
+    // Of the drive's phase, advanced by rotation; a period's start sets them anew.
+    sin_z: f32,
+    cos_z: f32,
+    // Index of the piece of the friction law that v moves on.
+    piece: f32,
+    // Ticks to the period's end.
+    left: u32,
+}
+
+// A step that was taken: its series, its length, its end.
+struct Step {
+    series: Series,
+    s: f32,
+    end: State,
+}
+
+// Where v leaves a piece, and the change of the piece's index there.
+struct Leave {
+    s: f32,
+    change: f32,
+}
+
+fn flow_new(value: Parameters) -> Flow {
+    let unit = value.unit_of_time;
+    let linear = unit * unit;
+    let epsilon_0 = unit * value.epsilon_0;
+    // F(v) as a function of U v
+    let friction =
+        friction_new(linear * value.epsilon, value.f_0, value.alpha / unit, value.beta / (linear * unit), epsilon_0);
+    return Flow(
+        linear,
+        -(linear * value.b),
+        -(unit * value.epsilon * value.h1),
+        unit * value.omega_k,
+        unit * value.zeta_k,
+        friction,
+        epsilon_0,
+        value.step_size,
+        // an absent layer limits nothing
+        LAYER_STEP / max(friction.two_f_0_over_epsilon_0, 1e-9),
+    );
+}
+
+// The state at the beginning of a period.
+fn state_start(flow: Flow, x: f32, w: f32, ticks: u32) -> State {
+    return State(x, w, 0.0, 1.0, piece_index(flow.friction, flow.omega_k - w), ticks);
+}
+
+// Takes a step: to the boundary of the piece, or as far as it may reach.
+fn taylor_step(flow: Flow, state: State) -> Step {
+    let piece = friction_piece(flow.friction, state.piece, flow.epsilon_0);
+    let drive = flow.zeta_k * state.sin_z;
+    let v = flow.omega_k + drive - state.w;
+    let series = series_new(Local(
+        flow.linear,
+        flow.minus_b,
+        flow.minus_damping,
+        piece.a_0,
+        piece.a_1,
+        piece.a_2,
+        flow.friction.beta,
+        drive,
+        flow.zeta_k * state.cos_z,
+        state.x,
+        state.w,
+        v,
+    ));
+    let trial = trial_step(flow, piece, series, state.left);
+    let reached = leave(flow, piece, series, trial);
+
+    let ticks = min(u32(max(reached.s, LEAST_STEP) * TICKS_PER_UNIT), state.left);
+    let s = f32(ticks) / TICKS_PER_UNIT;
+    let rotated = rotate(state.sin_z, state.cos_z, s);
+    let end = State(
+        x_at(series, s),
+        w_at(series, s),
+        rotated.x,
+        rotated.y,
+        state.piece + reached.change,
+        state.left - ticks,
+    );
+    return Step(series, s, end);
+}
+
+// As far as the series may be followed.
+fn trial_step(flow: Flow, piece: Piece, series: Series, ticks_left: u32) -> f32 {
+    let left = f32(ticks_left) / TICKS_PER_UNIT;
+    let longest = min(flow.longest, left);
+    let v = series.v_0;
+    let slope = series.v_1;
+    let distance = select(piece.upper - v, v - piece.lower, slope < 0.0);
+    // a start at the boundary has just come from there
+    let way_across = select(distance, flow.epsilon_0, distance < AT_BOUNDARY * flow.epsilon_0);
+    let is_in_layer = piece.upper - piece.lower < 1.5 * flow.epsilon_0;
+    let rates = abs(series.by_w_0) + sqrt(abs(series.by_x_0));
+    let way = select(FREE_STEP, REACH * way_across, is_in_layer);
+    let speed = select(rates, abs(slope), is_in_layer);
+    let bound = min(longest, select(longest, flow.longest_in_layer, is_in_layer));
+    // a speed of zero bounds nothing
+    return select(bound, min(bound, way / speed), speed > 1e-30);
+}
+
+// Where v leaves the piece on the way to the trial step's end, and the change of the piece's index there; the trial step
+// itself and 0 if it does not.
+fn leave(flow: Flow, piece: Piece, series: Series, trial: f32) -> Leave {
+    let margin = BEYOND * flow.epsilon_0;
+    let lower = piece.lower - margin;
+    let upper = piece.upper + margin;
+    let middle = 0.5 * trial;
+    let v_middle = v_at(series, middle);
+    let v_end = v_at(series, trial);
+    let left_early = v_middle < lower || upper < v_middle;
+    let left = left_early || v_end < lower || upper < v_end;
+
+    let start = select(middle, 0.0, left_early);
+    let stop = select(trial, middle, left_early);
+    let v_start = select(v_middle, series.v_0, left_early);
+    let v_stop = select(v_end, v_middle, left_early);
+    let rises = piece.upper < v_stop;
+    let boundary = select(piece.lower, piece.upper, rises);
+
+    // in parts of the half step: the straight line's zero, bent by the second difference of v
+    let inverse = 1.0 / (v_stop - v_start);
+    let bend = 0.5 * inverse * (series.v_0 - 2.0 * v_middle + v_end);
+    let straight = (boundary - v_start) * inverse;
+    let part = fma(straight * (1.0 - straight), bend, straight);
+    let guess = clamp(fma(part, middle, start), start, stop);
+    let at_guess = v_and_slope_at(series, guess);
+    let newton = clamp(guess - (at_guess.x - boundary) / at_guess.y, start, stop);
+    return Leave(select(trial, newton, left), select(0.0, select(-1.0, 1.0, rises), left));
+}
+
+// Sine and cosine of the drive's phase, s units of time on.
+fn rotate(sin_z: f32, cos_z: f32, s: f32) -> vec2<f32> {
+    let angle = s * (TAU / UNITS_PER_PERIOD);
+    let square = angle * angle;
+    var sine = 1.0 / 362880.0;
+    sine = fma(sine, square, -1.0 / 5040.0);
+    sine = fma(sine, square, 1.0 / 120.0);
+    sine = fma(sine, square, -1.0 / 6.0);
+    sine = fma(sine, square, 1.0) * angle;
+    // 1 - cos: small, so that the sums below are rounded only once
+    var versine = -1.0 / 40320.0;
+    versine = fma(versine, square, 1.0 / 720.0);
+    versine = fma(versine, square, -1.0 / 24.0);
+    versine = fma(versine, square, 0.5) * square;
+    return vec2(
+        sin_z + (cos_z * sine - sin_z * versine),
+        cos_z - (sin_z * sine + cos_z * versine),
+    );
+}
+
+// Where x turns within the step, or else x at its end.
+fn turning(step: Step) -> f32 {
+    let before = step.series.w_0;
+    let turns = before * step.end.w < 0.0;
+    let slope = select(1.0, (step.end.w - before) / step.s, turns);
+    let at = -before / slope;
+    let w = w_at(step.series, at);
+    let x = x_at(step.series, at) - 0.5 * w * w / slope;
+    return select(step.end.x, x, turns);
+}
