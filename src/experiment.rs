@@ -344,7 +344,11 @@ impl Request {
         self.resolve_over(Vec::new())
     }
 
-    fn resolve_over(&self, axes: Vec<Axis>) -> Result<Experiment, ExperimentError> {
+    /// The points over any axes, which must have been checked; the request's own are left aside.
+    ///
+    /// # Errors
+    /// As [`Request::resolve`].
+    pub fn resolve_over(&self, axes: Vec<Axis>) -> Result<Experiment, ExperimentError> {
         let mut fixed = ParameterSet::default();
         for (name, &value) in &self.set {
             let parameter = Parameter::from_name(name)?;

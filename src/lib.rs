@@ -12,7 +12,9 @@
 //! - [`map`]: measurements over two axes, and the threshold of chaos;
 //! - [`benchmark`]: what a kernel costs and how exact it is;
 //! - [`sweep`]: from a grid to measurements, and the audit of maps;
-//! - [`output`]: stores, pictures and tables of maps.
+//! - [`analysis`]: orbits, bifurcation diagrams, sections, exponents over a line, thresholds;
+//! - [`output`]: stores, pictures and tables;
+//! - [`paper`]: the paper's figures and numbers, computed anew.
 //!
 //! One point, ten lines:
 //!
@@ -31,6 +33,7 @@
 //! # Ok::<(), tribochaos::backend::BackendError>(())
 //! ```
 
+pub mod analysis;
 pub mod backend;
 pub mod benchmark;
 pub mod dynamics;
@@ -41,5 +44,6 @@ pub mod map;
 pub mod measurement;
 pub mod model;
 pub mod output;
+pub mod paper;
 pub mod parameters;
 pub mod sweep;

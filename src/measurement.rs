@@ -188,6 +188,8 @@ pub struct Measurement {
     /// The smaller of the two non-trivial exponents; equal to the maximal one where the tangent vectors rotate. NaN with
     /// heat or wear, whose tangent space has more dimensions.
     pub lyapunov_second: f64,
+    /// Its standard error, by batch means.
+    pub lyapunov_second_error: f64,
     /// Mean divergence of the flow, which the sum of the two exponents equals. NaN with heat or wear.
     pub divergence: f64,
     /// Weighted Birkhoff average of the maximal exponent; NaN for an exponent of finite time.
@@ -222,6 +224,7 @@ impl Measurement {
             lyapunov: f64::NAN,
             lyapunov_error: f64::NAN,
             lyapunov_second: f64::NAN,
+            lyapunov_second_error: f64::NAN,
             divergence: f64::NAN,
             lyapunov_birkhoff: f64::NAN,
             lyapunov_interval: f64::NAN,

@@ -205,7 +205,10 @@ pub enum ParameterError {
         name: String,
         suggestion: Option<&'static str>,
     },
-    #[error("{name} = {value} is out of range: it must be a number from {min} to {max}")]
+    #[error(
+        "{name} = {value} is out of range: it must be a number from {min} to {max}{}",
+        if *max == f64::INFINITY { "; leave it out for none" } else { "" }
+    )]
     OutOfRange {
         name: &'static str,
         value: f64,

@@ -20,6 +20,7 @@ override AIM: f32;
 override REACHED: f32;
 
 // A trial with an error above this many tolerances is tried again.
+override PRESSURE_FLOOR: f32;
 override REJECTED: f32;
 
 const TAU = 6.283185307179586;
@@ -195,7 +196,7 @@ fn trial_error(orbit: ptr<function, Orbit>, rubbing: Rubbing, start: Start, tria
     let scale = select(1.0, min(rubbing.epsilon_0, 1.0), inside);
     let motion = abs(start.acceleration - parabola(trial.acceleration)[0]) * weight / scale;
     let missed = abs(start.flux - parabola(trial.flux)[0]);
-    let heat = missed * weight * rubbing.two_gamma / (abs(start.pressure) + 1.0);
+    let heat = missed * weight * rubbing.two_gamma / (abs(start.pressure) + PRESSURE_FLOOR);
     let error = max(motion, heat) / run.tolerance;
     // the estimate is of order 3: its error grows with the fourth power of the step
     let growth = 0.9 / sqrt(sqrt(max(error, 1e-12)));

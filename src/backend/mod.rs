@@ -222,12 +222,15 @@ fn measure_alike(
 struct Growth {
     /// Length in periods, and growth of the first vector, of each batch.
     batches: Vec<(f64, f64)>,
+    /// The same of the second vector.
+    second_batches: Vec<(f64, f64)>,
     total: Sums,
 }
 
 impl Growth {
     fn add(&mut self, periods: f64, sums: &Sums) {
         self.batches.push((periods, sums.growth[0]));
+        self.second_batches.push((periods, sums.growth[1]));
         self.total.growth[0] += sums.growth[0];
         self.total.growth[1] += sums.growth[1];
         self.total.birkhoff += sums.birkhoff;
@@ -265,6 +268,7 @@ impl Growth {
         let measurement = self.lasting_measurement(parameters, settings, end, backend, lyapunov);
         let measurement = Measurement {
             lyapunov_second,
+            lyapunov_second_error: statistics::standard_error(&self.second_batches) / period_time,
             divergence: self.total.divergence / time,
             ..measurement
         };
@@ -297,6 +301,7 @@ impl Growth {
             lyapunov,
             lyapunov_error,
             lyapunov_second: f64::NAN,
+            lyapunov_second_error: f64::NAN,
             divergence: f64::NAN,
             lyapunov_birkhoff,
             lyapunov_interval: f64::from(settings.periods) * period_time,

@@ -15,6 +15,7 @@ use tribochaos::sweep::choice::{self, Choice};
 use tribochaos::sweep::{self, estimate};
 
 use super::outputs::Outputs;
+use super::overlay::{self, Theory};
 use super::progress::{self, Progress};
 use super::report;
 use super::request::{self, ExperimentArgs};
@@ -48,6 +49,9 @@ pub struct MapArgs {
     /// Tell what would be done and about how long it takes, and stop
     #[arg(long)]
     dry_run: bool,
+    /// Curve from theory over the pictures: melnikov, the threshold of Mel'nikov's criterion
+    #[arg(long, value_name = "melnikov", value_parser = request::named::<Theory>)]
+    overlay: Option<Theory>,
     /// Print the resolved experiment as TOML, and stop
     #[arg(long)]
     print_experiment: bool,
@@ -95,6 +99,10 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
     for warning in experiment.warnings() {
         eprintln!("warning: {warning}");
     }
+    let style = Style {
+        overlay: overlay::curve(args.overlay, &experiment)?,
+        ..Style::default()
+    };
     let outputs = Outputs::new(request.out.as_deref().unwrap_or("outputs/map".as_ref()));
     let choice = choice::choose(&experiment).map_err(Failure::backend)?;
     if args.dry_run {
@@ -112,7 +120,7 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
 
     let map = store.read_map().map_err(Failure::run)?;
     let audit = audit_map(&map, &experiment, &mut store)?;
-    let files = outputs.draw(&map, &Style::default()).map_err(Failure::Run)?;
+    let files = outputs.draw(&map, &style).map_err(Failure::Run)?;
     say_on!("{}", report::summary(&map, points, elapsed, &devices));
     if let Some(audit) = audit {
         say_on!("{}", report::audit(&audit));

@@ -18,13 +18,21 @@ macro_rules! say_on {
     }};
 }
 
+mod analysis;
+mod bifurcation;
 mod devices;
+mod lyapunov;
 mod map;
+mod melnikov;
 mod outputs;
+mod overlay;
+mod phase;
+mod poincare;
 mod point;
 mod progress;
 mod render;
 mod report;
+mod reproduce;
 mod request;
 
 use std::process::ExitCode;
@@ -49,6 +57,18 @@ enum Command {
     Point(point::PointArgs),
     /// Draw pictures again from a store, without computing
     Render(render::RenderArgs),
+    /// Draw stroboscopic states over one parameter: the bifurcation diagram
+    Bifurcation(bifurcation::BifurcationArgs),
+    /// Compute all Lyapunov exponents over one parameter, and the onset of chaos
+    Lyapunov(lyapunov::LyapunovArgs),
+    /// Draw orbits in the phase plane
+    Phase(phase::PhaseArgs),
+    /// Draw the stroboscopic section of an attractor
+    Poincare(poincare::PoincareArgs),
+    /// Evaluate Mel'nikov's function, its extremes and its thresholds
+    Melnikov(melnikov::MelnikovArgs),
+    /// Compute the paper's figures, and the table of what it says and what the program gets
+    Reproduce(reproduce::ReproduceArgs),
     /// Tell which GPU adapters and CPU instructions there are, and which one `auto` picks
     Devices(devices::DevicesArgs),
 }
@@ -88,6 +108,12 @@ pub fn main() -> ExitCode {
         Command::Map(args) => map::run(&args),
         Command::Point(args) => point::run(&args),
         Command::Render(args) => render::run(&args),
+        Command::Bifurcation(args) => bifurcation::run(&args),
+        Command::Lyapunov(args) => lyapunov::run(&args),
+        Command::Phase(args) => phase::run(&args),
+        Command::Poincare(args) => poincare::run(&args),
+        Command::Melnikov(args) => melnikov::run(&args),
+        Command::Reproduce(args) => reproduce::run(&args),
         Command::Devices(args) => devices::run(&args),
     };
     match result {

@@ -10,6 +10,7 @@ use tribochaos::output::picture::Style;
 use tribochaos::output::store::MapStore;
 
 use super::outputs::{self, Outputs};
+use super::overlay::{self, Theory};
 use super::{Failure, request};
 
 #[derive(Args)]
@@ -31,6 +32,9 @@ pub struct RenderArgs {
     /// Leave out the threshold curve
     #[arg(long)]
     no_threshold: bool,
+    /// Curve from theory over the pictures: melnikov, the threshold of Mel'nikov's criterion
+    #[arg(long, value_name = "melnikov", value_parser = request::named::<Theory>)]
+    overlay: Option<Theory>,
     /// Replace pictures of another experiment
     #[arg(long)]
     force: bool,
@@ -54,6 +58,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     let mut style = Style {
         threshold: !args.no_threshold,
+        overlay: overlay::curve(args.overlay, &map.experiment)?,
         ..Style::default()
     };
     if let Some([low, high]) = args.limits {

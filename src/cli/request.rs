@@ -138,7 +138,7 @@ pub fn range(text: &str) -> Result<[f64; 2], String> {
     Ok([number(low)?, number(high)?])
 }
 
-fn initial_box(text: &str) -> Result<tribochaos::experiment::InitialBox, String> {
+pub fn initial_box(text: &str) -> Result<tribochaos::experiment::InitialBox, String> {
     let (x, y) = text
         .split_once(',')
         .ok_or("write X_MIN:X_MAX,Y_MIN:Y_MAX, for example -2:2,-2:2")?;
@@ -148,7 +148,7 @@ fn initial_box(text: &str) -> Result<tribochaos::experiment::InitialBox, String>
     })
 }
 
-fn assignment(text: &str) -> Result<(Parameter, f64), String> {
+pub fn assignment(text: &str) -> Result<(Parameter, f64), String> {
     let malformed = || format!("`{text}` sets nothing: write NAME=VALUE, for example h1=0.5");
     let (name, value) = text.split_once('=').ok_or_else(malformed)?;
     let parameter = Parameter::from_name(name.trim()).map_err(|error| error.to_string())?;
@@ -163,8 +163,8 @@ pub fn named<T: for<'de> Deserialize<'de>>(text: &str) -> Result<T, String> {
     T::deserialize(deserializer).map_err(|error| error.to_string())
 }
 
-/// The table of parameters and the definition of the classes, for the end of a command's help.
-pub fn help() -> String {
+/// The table of parameters, for the end of a command's help.
+pub fn parameter_table() -> String {
     let mut help = String::from("Parameters (dimensionless; any of them can be an axis or be set):\n");
     for info in PARAMETERS {
         let (min, max) = info.range;
@@ -175,6 +175,12 @@ pub fn help() -> String {
             info.name, info.symbol, info.default, range, info.meaning, info.source
         );
     }
+    help
+}
+
+/// The table of parameters and the definition of the classes, for the end of a command's help.
+pub fn help() -> String {
+    let mut help = parameter_table();
     help.push_str(
         "\nClasses, by the maximal exponent L (the larger non-trivial one) and its standard error S:\n  \
          chaotic         L - 3 S > 0\n  \

@@ -40,6 +40,10 @@ pub const REACHED: f64 = 5e-4;
 /// Bounds of a sliding velocity that meets no boundary.
 const FAR: f64 = 1e30;
 
+/// The error of the pressure is relative down to this pressure, and absolute below: what grows from near 0 by its own heat,
+/// as with a ramp, keeps its relative errors.
+pub const PRESSURE_FLOOR: f64 = 1e-2;
+
 /// A trial with an error above this many tolerances is tried again.
 pub const REJECTED: f64 = 1.5;
 
@@ -464,7 +468,7 @@ impl<R: Real> Orbit<R> {
         let scale = R::select(inside, rubbing.epsilon_0.min(one), one);
         let motion = (start.acceleration - radau::parabola(trial.acceleration)[0]).abs() * weight / scale;
         let heat = (start.flux - radau::parabola(trial.flux)[0]).abs() * weight * rubbing.two_gamma
-            / (start.pressure.abs() + one);
+            / (start.pressure.abs() + R::splat(PRESSURE_FLOOR));
         let error = motion.max(heat) / control.tolerance;
         // the estimate is of order 3: its error grows with the fourth power of the step
         let growth = R::splat(0.9) / error.max(R::splat(1e-12)).sqrt().sqrt();

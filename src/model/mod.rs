@@ -4,6 +4,7 @@
 //! name in `shaders/model/`; what is computed once per point is plain f64 on the host.
 
 pub mod friction;
+pub mod melnikov;
 pub mod motion;
 pub mod rubbing;
 pub mod thermal_modes;

@@ -4,20 +4,42 @@
 
 use super::PROGRAM;
 use super::ticks::number;
-use crate::experiment::Scheme;
+use crate::experiment::{Scheme, Settings};
 use crate::map::ParameterMap;
 use crate::measurement::{QUANTITIES, Quantity, Values};
+use crate::parameters::Parameter;
 
 /// The paragraphs of the caption.
 pub fn of(map: &ParameterMap) -> Vec<String> {
     vec![fixed_parameters(map), numerics(map)]
 }
 
+/// What a parameter means, and its symbol, for axes.
+pub fn parameter_label(parameter: Parameter) -> String {
+    let info = parameter.info();
+    // The table is in ASCII, for terminals.
+    let meaning = info.meaning.replace("epsilon", "ε").replace("h1", "h₁");
+    format!("{meaning}, {}", info.symbol)
+}
+
+/// `symbol = value`, without a break within.
+pub fn assignment(parameter: Parameter, value: f64) -> String {
+    format!("{}\u{a0}=\u{a0}{}", parameter.info().symbol, number(value))
+}
+
 fn fixed_parameters(map: &ParameterMap) -> String {
-    // No break within `symbol = value`.
-    let fixed = map.experiment.fixed_parameters();
-    let fixed: Vec<String> = fixed
-        .map(|(parameter, value)| format!("{}\u{a0}=\u{a0}{}", parameter.info().symbol, number(value)))
+    fixed(map.experiment.fixed_parameters())
+}
+
+/// The parameters that a picture shows nowhere else; those of heat and wear only where there is some.
+pub fn fixed(parameters: impl Iterator<Item = (Parameter, f64)>) -> String {
+    use Parameter::{Biot, Gamma, KW, OmegaTilde, RampRate};
+    let all: Vec<(Parameter, f64)> = parameters.collect();
+    let is_rubbed = [Gamma, KW].iter().any(|rubbing| !all.contains(&(*rubbing, 0.0)));
+    let fixed: Vec<String> = all
+        .into_iter()
+        .filter(|(parameter, _)| is_rubbed || ![Gamma, KW, Biot, OmegaTilde, RampRate].contains(parameter))
+        .map(|(parameter, value)| assignment(parameter, value))
         .collect();
     format!(
         "Fixed parameters: {}. All quantities are dimensionless.",
@@ -27,15 +49,10 @@ fn fixed_parameters(map: &ParameterMap) -> String {
 
 fn numerics(map: &ParameterMap) -> String {
     let settings = &map.experiment.settings;
-    let scheme = match settings.scheme() {
-        Scheme::Taylor => "Taylor series of order 8, steps ending at the friction layer’s boundaries",
-        Scheme::Rk4 => "Runge–Kutta of order 4",
-        Scheme::Radau => "Radau IIA of order 5, exact heat modes",
-    };
     let (x, y) = (map.x_axis().count, map.y_axis().count);
     let mut text = format!(
-        "Map of {x} × {y} points. {scheme}, {} steps per forcing period, transient of {} periods, {} measured periods",
-        settings.steps_per_period(),
+        "Map of {x} × {y} points. {}, transient of {} periods, {} measured periods",
+        scheme(settings),
         settings.transient_periods,
         settings.periods
     );
@@ -57,6 +74,16 @@ fn numerics(map: &ParameterMap) -> String {
         text += &format!("Of the {} points, {computed} are computed. ", x * y);
     }
     text + &PROGRAM.replace(' ', "\u{a0}") + "."
+}
+
+/// The stepping scheme, and how many steps it takes in a forcing period.
+pub fn scheme(settings: &Settings) -> String {
+    let scheme = match settings.scheme() {
+        Scheme::Taylor => "Taylor series of order 8, steps ending at the friction layer’s boundaries",
+        Scheme::Rk4 => "Runge–Kutta of order 4",
+        Scheme::Radau => "Radau IIA of order 5, exact heat modes",
+    };
+    format!("{scheme}, {} steps per forcing period", settings.steps_per_period())
 }
 
 fn range([low, high]: [f64; 2]) -> String {

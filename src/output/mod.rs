@@ -1,25 +1,31 @@
-//! The output layer: maps as Zarr stores, pictures and tables.
+//! The output layer: maps as Zarr stores, pictures and tables; line drawings and densities of other analyses.
 //!
-//! Owns every file format; computes nothing but what a drawing needs, and draws only from a
+//! Owns every file format; computes nothing but what a drawing needs, and draws maps only from a
 //! [`ParameterMap`](crate::map::ParameterMap).
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-mod caption;
+pub mod caption;
+pub mod charts;
 pub mod colour;
 mod colour_bar;
 pub mod csv;
+pub mod density;
+pub mod drawing;
 pub mod figure;
+pub mod panel;
 pub mod picture;
 mod plot;
 pub mod png;
 mod raster;
 #[cfg(test)]
 mod samples;
+pub mod sheet;
 pub mod store;
 mod svg;
+pub mod table;
 mod text;
 mod ticks;
 

@@ -6,6 +6,7 @@ use super::caption;
 use super::colour::{self, ColourScale, Rgb};
 use super::colour_bar::Bar;
 use super::figure::{Figure, FigureError};
+pub use super::plot::Overlay;
 use super::plot::{self, Cell, Kind, Plot};
 use super::ticks::{round_step, round_up};
 use crate::experiment::Experiment;
@@ -21,6 +22,8 @@ pub struct Style {
     pub colours: ColourScale,
     /// Whether the threshold of chaos is drawn on the map of the exponent.
     pub threshold: bool,
+    /// A curve from theory that is drawn over every map.
+    pub overlay: Option<Overlay>,
     /// Width and height of the plotted map in pixels, met as nearly as whole pixels for each point allow.
     pub size: [u32; 2],
 }
@@ -31,6 +34,7 @@ impl Default for Style {
             limits: None,
             colours: ColourScale::default(),
             threshold: true,
+            overlay: None,
             size: [960, 640],
         }
     }
@@ -396,7 +400,8 @@ fn quantile(sorted: &[f64], fraction: f64) -> f64 {
     sorted[((sorted.len() - 1) as f64 * fraction).round() as usize]
 }
 
-fn draw(map: &ParameterMap, style: &Style, plot: Plot) -> Result<Figure, FigureError> {
+fn draw(map: &ParameterMap, style: &Style, mut plot: Plot) -> Result<Figure, FigureError> {
+    plot.overlay = style.overlay.clone();
     plot.draw(style.size, &caption::of(map))
 }
 

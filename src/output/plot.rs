@@ -4,6 +4,7 @@
 
 use std::fmt::Write as _;
 
+use super::caption;
 use super::colour::Rgb;
 use super::colour_bar::Bar;
 use super::figure::{Figure, FigureError};
@@ -52,6 +53,16 @@ pub struct Plot {
     pub bar: Option<Bar>,
     /// The x of the threshold in each row; empty if it is not to be drawn.
     pub curve: Vec<Option<f64>>,
+    pub overlay: Option<Overlay>,
+}
+
+/// A curve from theory over a map, dashed.
+#[derive(Clone, Debug)]
+pub struct Overlay {
+    /// For the legend.
+    pub name: String,
+    /// (x, y) in the axes' parameters; NaN parts its pieces.
+    pub points: Vec<[f64; 2]>,
 }
 
 /// The most points along an axis, and pixels of the map: a picture of 128 million pixels takes half a gigabyte to draw.
@@ -118,6 +129,7 @@ impl Plot {
             heading: String::new(),
             bar: None,
             curve: Vec::new(),
+            overlay: None,
         }
     }
 
@@ -216,11 +228,43 @@ impl Plot {
                 );
             }
         }
+        self.draw_overlay(svg, layout);
         let _ = writeln!(
             svg,
             "<rect {place} fill=\"none\" stroke=\"#000000\" stroke-width=\"{unit}\"/>"
         );
         Ok(())
+    }
+
+    fn draw_overlay(&self, svg: &mut String, layout: &Layout) {
+        let Some(overlay) = &self.overlay else { return };
+        let Layout {
+            left,
+            top,
+            width,
+            height,
+            unit,
+            ..
+        } = *layout;
+        let places = overlay
+            .points
+            .iter()
+            .map(|&[x, y]| (self.x_pixel(x, layout), self.y_pixel(y, layout)));
+        let path = super::panel::path(places);
+        let _ = writeln!(
+            svg,
+            "<clipPath id=\"map\"><rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\"/></clipPath>"
+        );
+        for (colour, stroke, dash) in [
+            ("#ffffff", 5.0 * unit, String::new()),
+            ("#000000", 2.4 * unit, dashes(unit)),
+        ] {
+            let _ = writeln!(
+                svg,
+                "<path d=\"{path}\" clip-path=\"url(#map)\" fill=\"none\" stroke=\"{colour}\" \
+                 stroke-width=\"{stroke}\" stroke-linejoin=\"round\"{dash}/>"
+            );
+        }
     }
 
     /// The threshold through the middles of the rows, half a row longer at the ends of each piece.
@@ -332,6 +376,9 @@ impl Plot {
         if has_curve {
             entries.push(("line".to_owned(), "onset of chaos (first upward change)"));
         }
+        if let Some(overlay) = &self.overlay {
+            entries.push(("dashes".to_owned(), &overlay.name));
+        }
         if entries.is_empty() {
             return above;
         }
@@ -347,6 +394,16 @@ impl Plot {
             match fill.as_str() {
                 "" => {}
                 "line" => line(svg, [x, middle, x + swatch, middle], 2.2 * unit),
+                "dashes" => {
+                    let _ = writeln!(
+                        svg,
+                        "<path d=\"M{x:.1} {middle:.1}L{:.1} {middle:.1}\" stroke=\"#000000\" \
+                         stroke-width=\"{}\"{}/>",
+                        x + swatch,
+                        2.4 * unit,
+                        dashes(unit)
+                    );
+                }
                 fill => {
                     let _ = writeln!(
                         svg,
@@ -365,9 +422,10 @@ impl Plot {
     }
 }
 
+fn dashes(unit: f64) -> String {
+    format!(" stroke-dasharray=\"{} {}\"", 9.0 * unit, 4.0 * unit)
+}
+
 fn axis_label(axis: &Axis) -> String {
-    let info = axis.parameter.info();
-    // The table is in ASCII, for terminals.
-    let meaning = info.meaning.replace("epsilon", "ε").replace("h1", "h₁");
-    format!("{meaning}, {}", info.symbol)
+    caption::parameter_label(axis.parameter)
 }

@@ -22,6 +22,11 @@ pub fn encode(plot: &Plot) -> Result<String, FigureError> {
         };
         Rgba([colour[0], colour[1], colour[2], 255])
     });
+    data_uri(&image)
+}
+
+/// An image as the data URI of a PNG.
+pub fn data_uri(image: &RgbaImage) -> Result<String, FigureError> {
     let mut png = std::io::Cursor::new(Vec::new());
     image
         .write_to(&mut png, ImageFormat::Png)

@@ -27,19 +27,22 @@ pub use error::StoreError;
 pub use tile::Tile;
 
 /// Quantities that every point whose status is ok has.
-const NEVER_NAN: [Quantity; 11] = [
+const NEVER_NAN: [Quantity; 8] = [
     Quantity::Lyapunov,
-    Quantity::LyapunovError,
-    Quantity::LyapunovSecond,
-    Quantity::Divergence,
-    Quantity::LyapunovBirkhoff,
+    Quantity::LyapunovInterval,
     Quantity::X,
     Quantity::Y,
     Quantity::XMin,
     Quantity::XMax,
-    Quantity::Class,
+    Quantity::ContactStatus,
     Quantity::Backend,
 ];
+
+/// Those that are none under constant pressure...
+const NEVER_NAN_REDUCED: [Quantity; 2] = [Quantity::LyapunovSecond, Quantity::Divergence];
+
+/// ...and those that are none where nothing wears.
+const NEVER_NAN_LASTING: [Quantity; 3] = [Quantity::LyapunovError, Quantity::LyapunovBirkhoff, Quantity::Class];
 
 /// A map on disk, open for reading and writing.
 pub struct MapStore {
@@ -294,7 +297,12 @@ impl MapStore {
                 tile.indices(columns)
                     .any(|index| status[index] == 0.0 && map.column(quantity)[index].is_nan())
             };
-            if let Some(quantity) = NEVER_NAN.into_iter().find(|quantity| lost(*quantity)) {
+            let reduced = !self.experiment.settings.scheme().carries_heat();
+            let mut numbers = NEVER_NAN
+                .into_iter()
+                .chain(NEVER_NAN_REDUCED.into_iter().filter(|_| reduced))
+                .chain(NEVER_NAN_LASTING.into_iter().filter(|_| !self.experiment.wears()));
+            if let Some(quantity) = numbers.find(|quantity| lost(*quantity)) {
                 return Err(self.damaged(quantity, &tile, "values of finished points are missing"));
             }
         }

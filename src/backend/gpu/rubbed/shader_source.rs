@@ -5,7 +5,9 @@
 use std::fmt::Write as _;
 
 use super::layout;
-use crate::dynamics::adaptive::{AIM, CUT, PASS_BUDGET, PRESSURE_BOUND, REACHED, REJECTED, SHORTEST_STEP, TICKS};
+use crate::dynamics::adaptive::{
+    AIM, CUT, PASS_BUDGET, PRESSURE_BOUND, PRESSURE_FLOOR, REACHED, REJECTED, SHORTEST_STEP, TICKS,
+};
 use crate::dynamics::radau::{ERROR_WEIGHT, MAX_ITERATIONS, NEWTON_TOLERANCE};
 use crate::dynamics::stroboscope::MAX_PERIOD;
 use crate::dynamics::tangent::SMALLEST_SQUARE;
@@ -72,7 +74,7 @@ fn write_out(text: &str, slots: usize) -> String {
 }
 
 /// Values of the shader's `override` constants, so that each is defined in one place.
-pub fn constants(workgroup_size: u32, carries_tangent: bool) -> [(&'static str, f64); 16] {
+pub fn constants(workgroup_size: u32, carries_tangent: bool) -> [(&'static str, f64); 17] {
     [
         ("WORKGROUP_SIZE", f64::from(workgroup_size)),
         ("CARRIES_TANGENT", f64::from(u8::from(carries_tangent))),
@@ -89,6 +91,7 @@ pub fn constants(workgroup_size: u32, carries_tangent: bool) -> [(&'static str, 
         ("CUT", CUT),
         ("AIM", AIM),
         ("REACHED", REACHED),
+        ("PRESSURE_FLOOR", PRESSURE_FLOOR),
         ("REJECTED", REJECTED),
     ]
 }

@@ -1,0 +1,211 @@
+//! Mel'nikov's threshold over a second parameter, and over the axes of a map.
+//!
+//! Owns which curve belongs to which axes; M and the search in one parameter are [`crate::model::melnikov`]'s.
+
+use rayon::prelude::*;
+
+use crate::experiment::Experiment;
+use crate::grid::Axis;
+use crate::model::melnikov::{self, Melnikov, MelnikovError, Search, Threshold};
+use crate::parameters::{Parameter, ParameterSet};
+
+/// The threshold in one parameter at each value of an axis.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    pub search: Search,
+    pub over: Axis,
+    /// In the order of the axis.
+    pub thresholds: Vec<Threshold>,
+}
+
+/// The threshold in `search`'s parameter over `over`, the other parameters being those of `at`; where b is not positive
+/// there is none.
+///
+/// # Errors
+/// If both parameters are the same, or no value of the axis has a homoclinic orbit.
+pub fn threshold_curve(at: &ParameterSet, search: &Search, over: &Axis) -> Result<Curve, CurveError> {
+    if over.parameter == search.parameter {
+        return Err(CurveError::SameParameter {
+            name: over.parameter.name(),
+        });
+    }
+    let found: Vec<Result<Threshold, MelnikovError>> = (0..over.count)
+        .into_par_iter()
+        .map(|index| melnikov::threshold(&at.with(over.parameter, over.value(index)), search))
+        .collect();
+    if let Some(Err(error)) = found.iter().find(|found| found.is_err())
+        && found.iter().all(Result::is_err)
+    {
+        return Err(CurveError::Melnikov(error.clone()));
+    }
+    let thresholds = found
+        .into_iter()
+        .map(|found| found.unwrap_or(Threshold::Never))
+        .collect();
+    Ok(Curve {
+        search: *search,
+        over: *over,
+        thresholds,
+    })
+}
+
+/// Values at which the curve over a map is computed.
+const MAP_VALUES: usize = 81;
+/// Steps of the search along a map's axis.
+const MAP_STEPS: u32 = 60;
+
+/// The curve of the threshold over the axes of a map, as points (x, y); NaN parts its pieces. It is the threshold in the
+/// x axis' parameter for each y or, where there is none of that kind on the map (M need not depend on that parameter, or may
+/// change sign below a value of it instead of above), the threshold in the y axis' parameter for each x.
+///
+/// # Errors
+/// If M depends on neither axis, has no homoclinic orbit there, or changes sign nowhere, or everywhere, on the map.
+pub fn curve_over_map(experiment: &Experiment) -> Result<Vec<[f64; 2]>, CurveError> {
+    let [x, y] = experiment.grid.axes[..] else {
+        return Err(CurveError::NoMap);
+    };
+    let depends = |axis: &Axis| melnikov::check_parameter(axis.parameter).is_ok();
+    let fixed = &experiment.grid.fixed;
+    let along_x = depends(&x).then(|| curve_along(fixed, &x, &y));
+    if let Some(Ok(points)) = along_x {
+        return Ok(points);
+    }
+    let along_y = depends(&y).then(|| curve_along(fixed, &y, &x));
+    match (along_x, along_y) {
+        (_, Some(Ok(points))) => Ok(points.into_iter().map(|[y, x]| [x, y]).collect()),
+        (Some(Err(error)), _) | (_, Some(Err(error))) => Err(error),
+        _ => Err(CurveError::NeitherAxis {
+            x: x.parameter.name(),
+            y: y.parameter.name(),
+        }),
+    }
+}
+
+/// Points (threshold in `along`'s parameter, value of `over`).
+fn curve_along(fixed: &ParameterSet, along: &Axis, over: &Axis) -> Result<Vec<[f64; 2]>, CurveError> {
+    let mut search = Search::new(
+        along.parameter,
+        along.start.min(along.stop),
+        along.start.max(along.stop),
+    )?;
+    search.steps = MAP_STEPS;
+    let over = Axis {
+        count: over.count.min(MAP_VALUES),
+        ..*over
+    };
+    let curve = threshold_curve(fixed, &search, &over)?;
+    if curve.thresholds.iter().all(|threshold| threshold.value().is_none()) {
+        let below = curve.thresholds.contains(&Threshold::BelowRange);
+        return Err(CurveError::NotOnMap {
+            name: along.parameter.name(),
+            low: search.low,
+            high: search.high,
+            place: if below { "at the lower end already" } else { "nowhere" },
+        });
+    }
+    let points = curve.thresholds.iter().enumerate();
+    Ok(points
+        .map(|(index, threshold)| [threshold.value().unwrap_or(f64::NAN), over.value(index)])
+        .collect())
+}
+
+/// M over `count` values of tau0 from `low` to `high`, both included: pairs (tau0, M).
+///
+/// # Errors
+/// [`MelnikovError::NoHomoclinicOrbit`].
+pub fn sampled(at: &ParameterSet, low: f64, high: f64, count: usize) -> Result<Vec<[f64; 2]>, MelnikovError> {
+    let function = Melnikov::new(at)?;
+    let tau_0 = |index: usize| low + (high - low) * index as f64 / (count - 1) as f64;
+    Ok((0..count)
+        .into_par_iter()
+        .map(|index| [tau_0(index), function.closed_form(tau_0(index))])
+        .collect())
+}
+
+/// The range in which a threshold in a parameter is looked for unless another is given: 0 to 20 or, where the parameter's
+/// range is narrower, that.
+pub fn default_range(parameter: Parameter) -> (f64, f64) {
+    let (low, high) = parameter.info().range;
+    (low.max(0.0), high.min(20.0))
+}
+
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CurveError {
+    #[error(transparent)]
+    Melnikov(#[from] MelnikovError),
+    #[error("the threshold in {name} cannot be drawn over {name} itself: give another parameter for one of the two")]
+    SameParameter { name: &'static str },
+    #[error("Mel'nikov's threshold is drawn over a map of two axes")]
+    NoMap,
+    #[error(
+        "Mel'nikov's function depends neither on {x} nor on {y}: leave --overlay melnikov out, or give an axis of {known}",
+        known = melnikov::PARAMETERS.map(Parameter::name).join(", ")
+    )]
+    NeitherAxis { x: &'static str, y: &'static str },
+    #[error(
+        "Mel'nikov's function changes sign {place} on the map, whose {name} runs from {low} to {high}: there is no \
+         threshold to draw; leave --overlay melnikov out, or move the axis"
+    )]
+    NotOnMap {
+        name: &'static str,
+        low: f64,
+        high: f64,
+        place: &'static str,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::Request;
+
+    fn experiment(x: &str, y: &str) -> Experiment {
+        let request = Request {
+            x: Axis::parse(x).unwrap(),
+            y: Axis::parse(y).unwrap(),
+            ..Request::default()
+        };
+        request.resolve().unwrap()
+    }
+
+    #[test]
+    fn the_curve_over_a_map_passes_through_the_checked_thresholds() {
+        let curve = curve_over_map(&experiment("zeta_k=3:5:10", "h1=0:1:3")).unwrap();
+        for (point, expected) in curve.iter().zip([[3.3047, 0.0], [3.6933, 0.5], [3.9609, 1.0]]) {
+            assert!(
+                (point[0] - expected[0]).abs() < 1e-4 && point[1] == expected[1],
+                "{point:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn an_axis_that_does_not_matter_gives_a_straight_line() {
+        let curve = curve_over_map(&experiment("epsilon=0.05:0.2:3", "zeta_k=3:5:10")).unwrap();
+        assert_eq!(
+            curve.iter().map(|point| point[0]).collect::<Vec<_>>(),
+            [0.05, 0.125, 0.2]
+        );
+        assert!(curve.iter().all(|point| (point[1] - 3.6933).abs() < 1e-4), "{curve:?}");
+    }
+
+    #[test]
+    fn a_parameter_that_hinders_chaos_may_be_the_first_axis() {
+        let curve = curve_over_map(&experiment("h1=0:1:3", "zeta_k=3:5:10")).unwrap();
+        assert_eq!(curve[1][0], 0.5);
+        assert!((curve[1][1] - 3.6933).abs() < 1e-4, "{curve:?}");
+    }
+
+    #[test]
+    fn maps_without_a_threshold_are_refused_with_a_reason() {
+        for (x, y, reason) in [
+            ("epsilon=0.05:0.2:3", "x0=0:1:3", "neither on epsilon nor on x0"),
+            ("zeta_k=0:1:3", "h1=0:1:3", "nowhere"),
+            ("zeta_k=5:6:3", "h1=0:1:3", "at the lower end already"),
+            ("zeta_k=0:6:3", "b=-2:-1:3", "b > 0"),
+        ] {
+            let message = curve_over_map(&experiment(x, y)).unwrap_err().to_string();
+            assert!(message.contains(reason), "{x} {y}: {message}");
+        }
+    }
+}

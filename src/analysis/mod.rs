@@ -1,0 +1,17 @@
+//! Analyses of the motion beside maps: orbits, bifurcation diagrams, sections, exponents over a line, thresholds.
+//!
+//! Owns what is computed and in which order; integrates through [`crate::backend`] and [`crate::dynamics`] alone, and neither
+//! draws nor prints.
+
+pub mod bifurcation;
+pub mod exponents;
+pub mod melnikov;
+pub mod onset;
+pub mod orbits;
+pub mod path;
+pub mod section;
+
+use std::ops::ControlFlow;
+
+/// Hears how many instance-periods were done since it was last called; may break the work off.
+pub type Progress<'a> = dyn FnMut(u64) -> ControlFlow<()> + 'a;

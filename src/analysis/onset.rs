@@ -1,0 +1,190 @@
+//! The onset of chaos over one parameter.
+//!
+//! Owns its definition and the refinement of the bracket in which it lies; measures through [`super::exponents`].
+//!
+//! The onset is the least value of a fine grid, upward, at which the exponent of some initial state stands above a bound
+//! while its motion is classed neither as regular nor as quasi-periodic. The class keeps out what an exponent over a finite
+//! window lets in far below: slowly attracting cycles and quasi-periodic motion. The fine grid covers the bracket of the
+//! first upward change that a coarse scan with long windows shows; above the onset chaos is not monotone, so that a bracket is
+//! scanned, never bisected.
+
+use super::exponents::{Line, lines};
+use crate::backend::BackendError;
+use crate::experiment::{Scheme, Settings};
+use crate::grid::Axis;
+use crate::measurement::{Class, Measurement};
+use crate::parameters::ParameterSet;
+use crate::sweep::{Backends, Observer};
+
+/// What counts as chaos at the onset, and how finely the bracket is scanned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Definition {
+    /// Least exponent, per unit of tau.
+    pub least_exponent: f64,
+    /// Distance of the fine grid's values, which are its multiples.
+    pub spacing: f64,
+    pub settings: Settings,
+}
+
+impl Definition {
+    /// An exponent above 0.005 over 100 periods after 380, with the friction layer resolved: the fixed steps of rk4 are
+    /// then at least 4000 a period; those of the other schemes end at the layer's boundaries.
+    pub fn new(spacing: f64, settings: &Settings) -> Self {
+        let mut settings = Settings {
+            transient_periods: 380,
+            align_periods: 50,
+            periods: 100,
+            initial_states: 1,
+            ..settings.clone()
+        };
+        if settings.scheme() == Scheme::Rk4 {
+            let steps = settings.steps_per_period().max(4000);
+            settings.steps_per_period = Some(steps);
+            settings.renormalise_every = steps / 4;
+        }
+        Self {
+            least_exponent: 0.005,
+            spacing,
+            settings,
+        }
+    }
+
+    /// Chaos on the fine grid.
+    pub fn is_chaos(&self, measurement: &Measurement) -> bool {
+        matches!(measurement.class, Some(Class::Chaotic | Class::Undecided))
+            && measurement.lyapunov > self.least_exponent
+    }
+
+    /// Chaos on a coarse scan: beyond doubt.
+    fn is_certain_chaos(&self, measurement: &Measurement) -> bool {
+        measurement.class == Some(Class::Chaotic) && measurement.lyapunov > self.least_exponent
+    }
+}
+
+/// An onset that was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// The first chaotic value of the fine grid; chaos sets in between it and the value `spacing` below.
+    pub value: f64,
+    pub spacing: f64,
+    /// The initial state (x, y) from which chaos comes first.
+    pub start: [f64; 2],
+    pub exponent: f64,
+    pub error: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Onset {
+    Found(Found),
+    /// Chaotic at the axis' lowest decided value: the onset lies below.
+    BelowAxis,
+    /// No initial state leads to chaos on the axis.
+    Never,
+}
+
+/// The onset of chaos over an axis on which `coarse` lines were measured, one for each initial state; the first upward change
+/// to chaos among them is scanned again by the definition, and if it does not hold there, the next. None if the observer
+/// broke it off.
+///
+/// # Errors
+/// If the backend fails and no fall-back is left.
+pub fn onset(
+    backends: &mut Backends,
+    definition: &Definition,
+    at: &ParameterSet,
+    coarse: &[Line],
+    observer: &mut Observer<'_>,
+) -> Result<Option<Onset>, BackendError> {
+    let starts: Vec<[f64; 2]> = coarse.iter().map(|line| line.start).collect();
+    for bracket in brackets(definition, coarse) {
+        let Some(low) = bracket.low else {
+            return Ok(Some(Onset::BelowAxis));
+        };
+        let fine = fine_axis(&coarse[0].axis, low, bracket.high, definition.spacing);
+        match scan(backends, definition, at, &fine, &starts, observer)? {
+            None => return Ok(None),
+            Some(None) => {}
+            Some(Some(found)) => return Ok(Some(Onset::Found(found))),
+        }
+    }
+    Ok(Some(Onset::Never))
+}
+
+/// The first value of a rising axis, whose step is the definition's spacing, at which one of the initial states leads to
+/// chaos by the definition. The outer None means that the observer broke it off.
+///
+/// # Errors
+/// If the backend fails and no fall-back is left.
+pub fn scan(
+    backends: &mut Backends,
+    definition: &Definition,
+    at: &ParameterSet,
+    axis: &Axis,
+    starts: &[[f64; 2]],
+    observer: &mut Observer<'_>,
+) -> Result<Option<Option<Found>>, BackendError> {
+    let scanned = lines(backends, &definition.settings, at, axis, starts, observer)?;
+    Ok(scanned.map(|scanned| first_chaos(definition, axis, &scanned)))
+}
+
+/// A change to chaos between two values of the coarse axis, `low < high`; without `low` there is no decided value below.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Bracket {
+    low: Option<f64>,
+    high: f64,
+}
+
+/// The upward changes to chaos of all lines, the lowest first, overlapping ones joined.
+fn brackets(definition: &Definition, lines: &[Line]) -> Vec<Bracket> {
+    let mut brackets = Vec::new();
+    for line in lines {
+        let mut order: Vec<usize> = (0..line.axis.count).collect();
+        if line.axis.step() < 0.0 {
+            order.reverse();
+        }
+        let mut low = None;
+        let mut in_chaos = false;
+        for index in order {
+            let (value, measurement) = (line.axis.value(index), &line.measurements[index]);
+            if definition.is_certain_chaos(measurement) {
+                if !in_chaos {
+                    brackets.push(Bracket { low, high: value });
+                }
+                in_chaos = true;
+            } else if matches!(measurement.class, Some(Class::Regular | Class::QuasiPeriodic)) {
+                low = Some(value);
+                in_chaos = false;
+            }
+        }
+    }
+    brackets.sort_by(|a, b| a.high.total_cmp(&b.high));
+    brackets
+}
+
+/// The multiples of the spacing from the last that is no greater than `low` to the first that is no less than `high`.
+fn fine_axis(coarse: &Axis, low: f64, high: f64, spacing: f64) -> Axis {
+    let first = (low / spacing + 1e-6).floor();
+    let last = (high / spacing - 1e-6).ceil().max(first + 1.0);
+    Axis {
+        parameter: coarse.parameter,
+        start: first * spacing,
+        stop: last * spacing,
+        count: (last - first) as usize + 1,
+    }
+}
+
+fn first_chaos(definition: &Definition, axis: &Axis, lines: &[Line]) -> Option<Found> {
+    (0..axis.count).find_map(|index| {
+        let line = lines
+            .iter()
+            .find(|line| definition.is_chaos(&line.measurements[index]))?;
+        let measurement = &line.measurements[index];
+        Some(Found {
+            value: axis.value(index),
+            spacing: definition.spacing,
+            start: line.start,
+            exponent: measurement.lyapunov,
+            error: measurement.lyapunov_error,
+        })
+    })
+}

@@ -1,0 +1,171 @@
+//! The path of one orbit of the reduced model (contact pressure p = 1).
+//!
+//! Owns the sampling of a scheme's steps; the steps are [`crate::dynamics`]'. A scheme that is added gets a branch here.
+
+use crate::dynamics::drive::DriveTable;
+use crate::dynamics::rk4::{self, StageSpeeds, StepSize};
+use crate::dynamics::taylor::series::UNITS_PER_PERIOD;
+use crate::dynamics::taylor::{self, COEFFICIENTS, Flow, MAX_PASSES, TICKS_PER_PERIOD};
+use crate::experiment::{Scheme, Settings};
+use crate::measurement::RUNAWAY_BOUND;
+use crate::model::motion::Motion;
+use crate::parameters::{Parameter, ParameterSet};
+
+/// A point on the path of an orbit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathPoint {
+    /// Time since the end of the transient, in units of tau.
+    pub tau: f64,
+    pub x: f64,
+    pub y: f64,
+    /// Whether the drive's phase is 0 here: the point belongs to the stroboscopic section.
+    pub is_stroboscopic: bool,
+}
+
+/// The path of one orbit in f64 over `settings.periods` forcing periods after `settings.transient_periods`, with
+/// `points_per_period` points evenly in each period (of rk4, no more than it has steps), and one at the end. Where the orbit
+/// runs away or the scheme gives it up, the path ends. Frictional heat and wear are left aside: the pressure is 1, for which
+/// radau's path is that of taylor.
+pub fn path(parameters: &ParameterSet, settings: &Settings, points_per_period: u32) -> Vec<PathPoint> {
+    let mut walker: Box<dyn Walker> = match settings.scheme() {
+        Scheme::Rk4 => Box::new(FixedSteps::new(parameters, settings.steps_per_period())),
+        Scheme::Taylor => Box::new(TaylorSteps::new(parameters, settings.steps_per_period())),
+        Scheme::Radau => Box::new(TaylorSteps::new(parameters, Scheme::Taylor.default_steps_per_period())),
+    };
+    let forcing_period = parameters.forcing_period();
+    let mut points = Vec::new();
+    for period in 0..settings.transient_periods + settings.periods {
+        let shown = period.checked_sub(settings.transient_periods);
+        let is_whole = walker.period(points_per_period, &mut |phase, [x, y]| {
+            if let Some(shown) = shown {
+                points.push(PathPoint {
+                    tau: (f64::from(shown) + phase) * forcing_period,
+                    x,
+                    y,
+                    is_stroboscopic: phase == 0.0,
+                });
+            }
+        });
+        let [x, y] = walker.state();
+        // false for NaN too
+        let is_bounded = x.abs() + y.abs() < RUNAWAY_BOUND;
+        if !(is_whole && is_bounded) {
+            return points;
+        }
+    }
+    let [x, y] = walker.state();
+    points.push(PathPoint {
+        tau: f64::from(settings.periods) * forcing_period,
+        x,
+        y,
+        is_stroboscopic: true,
+    });
+    points
+}
+
+/// Carries one orbit on, showing states on the way.
+trait Walker {
+    /// One forcing period; `sample(phase, [x, y])` is called with phases from 0, inclusive, to 1, exclusive. False if the
+    /// scheme gave the orbit up.
+    fn period(&mut self, points: u32, sample: &mut dyn FnMut(f64, [f64; 2])) -> bool;
+    /// The state (x, y) at the end of the last period.
+    fn state(&self) -> [f64; 2];
+}
+
+struct FixedSteps {
+    motion: Motion<f64>,
+    step_size: StepSize<f64>,
+    drive: DriveTable<f64>,
+    steps: u32,
+    state: rk4::State<f64>,
+}
+
+impl FixedSteps {
+    fn new(parameters: &ParameterSet, steps: u32) -> Self {
+        let h = parameters.forcing_period() / f64::from(steps);
+        Self {
+            motion: Motion::new(|parameter| parameters[parameter]),
+            step_size: StepSize::new(|_| h),
+            drive: DriveTable::new::<f64>(steps),
+            steps,
+            state: rk4::State {
+                x: parameters[Parameter::X0],
+                y: parameters[Parameter::Y0],
+            },
+        }
+    }
+}
+
+impl Walker for FixedSteps {
+    fn period(&mut self, points: u32, sample: &mut dyn FnMut(f64, [f64; 2])) -> bool {
+        let every = (self.steps / points).max(1);
+        let mut start = self.motion.shaft_speed(0.0);
+        for (step, &[middle, end]) in (0..self.steps).zip(self.drive.steps()) {
+            if step % every == 0 {
+                sample(f64::from(step) / f64::from(self.steps), self.state());
+            }
+            let speed = StageSpeeds {
+                start,
+                middle: self.motion.shaft_speed(middle),
+                end: self.motion.shaft_speed(end),
+            };
+            self.state = rk4::step(&self.motion, &self.step_size, speed, self.state);
+            start = speed.end;
+        }
+        true
+    }
+
+    fn state(&self) -> [f64; 2] {
+        [self.state.x, self.state.y]
+    }
+}
+
+struct TaylorSteps {
+    flow: Flow<f64>,
+    unit: f64,
+    x: f64,
+    y: f64,
+}
+
+impl TaylorSteps {
+    fn new(parameters: &ParameterSet, steps_per_period: u32) -> Self {
+        let omega_0 = parameters[Parameter::Omega0];
+        let unit = taylor::unit_of_time(omega_0);
+        let longest = taylor::longest_step(omega_0, steps_per_period);
+        Self {
+            flow: Flow::new(|parameter| parameters[parameter], unit, longest),
+            unit,
+            x: parameters[Parameter::X0],
+            y: parameters[Parameter::Y0],
+        }
+    }
+}
+
+impl Walker for TaylorSteps {
+    fn period(&mut self, points: u32, sample: &mut dyn FnMut(f64, [f64; 2])) -> bool {
+        let whole = f64::from(UNITS_PER_PERIOD);
+        let time = |point: u32| whole * f64::from(point) / f64::from(points);
+        let mut state = self.flow.start(self.x, self.y * self.unit, TICKS_PER_PERIOD);
+        let mut next = 0;
+        for _ in 0..MAX_PASSES {
+            if state.left == 0 {
+                break;
+            }
+            let begun = whole * (1.0 - f64::from(state.left) / f64::from(TICKS_PER_PERIOD));
+            let (step, end) = taylor::step::<f64, COEFFICIENTS>(&self.flow, &state);
+            while next < points && time(next) < begun + step.s {
+                let s = (time(next) - begun).max(0.0);
+                let [x, w] = [step.series.x_at(s), step.series.w_at(s)];
+                sample(f64::from(next) / f64::from(points), [x, w / self.unit]);
+                next += 1;
+            }
+            state = end;
+        }
+        (self.x, self.y) = (state.x, state.w / self.unit);
+        state.left == 0
+    }
+
+    fn state(&self) -> [f64; 2] {
+        [self.x, self.y]
+    }
+}

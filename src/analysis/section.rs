@@ -1,0 +1,102 @@
+//! Stroboscopic sections of one attractor, with many points.
+//!
+//! Owns how many orbits share the work and where they begin; the states come from [`super::orbits`].
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+use super::Progress;
+use super::orbits::{is_bounded, stroboscopic_states};
+use crate::backend::{Backend, BackendError};
+use crate::experiment::Settings;
+use crate::parameters::{Parameter, ParameterSet};
+
+/// Orbits that share the work: enough to fill the lanes of all cores, few enough for the transients not to take most of it.
+pub const ORBITS: u32 = 2048;
+
+/// Half the side of the square of initial states around (x0, y0). So small that on nearly all orbits the same attractor is
+/// reached, and so large that on a chaotic one they part within some tens of periods.
+pub const SPREAD: f64 = 1e-3;
+
+/// Forcing periods that each of the orbits needs for `points` in all.
+pub fn periods(points: u64, orbits: u32) -> u32 {
+    points.div_ceil(orbits.into()).try_into().unwrap_or(u32::MAX)
+}
+
+/// States of an attractor at drive phase 0.
+#[derive(Clone, Debug)]
+pub struct Section {
+    /// (x, y), one state of every orbit after the other for each period.
+    pub points: Vec<[f64; 2]>,
+    /// Orbits that ran away, or that the scheme gave up as under-resolved.
+    pub runaways: usize,
+}
+
+/// The stroboscopic section: `settings.periods` states from each of `orbits` orbits that begin within [`SPREAD`] of
+/// (x0, y0), after `settings.transient_periods`. None if `progress` broke the work off.
+///
+/// # Errors
+/// If the backend fails.
+pub fn section(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    at: &ParameterSet,
+    orbits: u32,
+    progress: &mut Progress<'_>,
+) -> Result<Option<Section>, BackendError> {
+    let mut generator = ChaCha8Rng::seed_from_u64(settings.seed.into());
+    let mut deviation = || ((generator.next_u64() >> 11) as f64 / (1u64 << 52) as f64 - 1.0) * SPREAD;
+    let instances: Vec<ParameterSet> = (0..orbits)
+        .map(|orbit| {
+            // the first begins where it was asked for
+            let [dx, dy] = if orbit == 0 {
+                [0.0; 2]
+            } else {
+                [deviation(), deviation()]
+            };
+            at.with(Parameter::X0, at[Parameter::X0] + dx)
+                .with(Parameter::Y0, at[Parameter::Y0] + dy)
+        })
+        .collect();
+    let mut points = Vec::with_capacity(orbits as usize * settings.periods as usize);
+    let ends = stroboscopic_states(
+        backend,
+        settings,
+        &instances,
+        &mut |_, state| points.push(state),
+        progress,
+    )?;
+    Ok(ends.map(|ends| Section {
+        points,
+        runaways: ends.iter().filter(|end| !is_bounded(end)).count(),
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bifurcation::carry_on;
+    use super::*;
+    use crate::backend::cpu::CpuBackend;
+    use crate::experiment::Precision;
+
+    #[test]
+    fn orbits_of_a_section_have_parted_and_fill_the_attractor() {
+        let settings = Settings {
+            transient_periods: 200,
+            periods: periods(4000, 100),
+            ..Settings::default()
+        };
+        let mut backend = CpuBackend::new(Precision::F64);
+        let Section { points, runaways } =
+            section(&mut backend, &settings, &ParameterSet::default(), 100, &mut carry_on)
+                .unwrap()
+                .unwrap();
+        assert_eq!((points.len(), runaways), (4000, 0));
+        // after the transient, the states of all orbits at one time are spread over a whole band of the attractor
+        let extent = |points: &[[f64; 2]]| {
+            let x = points.iter().map(|point| point[0]);
+            x.clone().fold(f64::MIN, f64::max) - x.fold(f64::MAX, f64::min)
+        };
+        assert!(extent(&points[..100]) > 100.0 * SPREAD && extent(&points) < 4.0);
+    }
+}

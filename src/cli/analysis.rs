@@ -1,0 +1,288 @@
+//! What the commands for analyses share: initial states, the experiment over one axis or none, and the files they write.
+//!
+//! Owns the rule that drawings of something else are not overwritten; computes nothing.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{anyhow, bail};
+use clap::Args;
+use serde_json::{Map, Value};
+use tribochaos::experiment::{BackendChoice, Experiment, Request};
+use tribochaos::grid::Axis;
+use tribochaos::output::figure::Figure;
+use tribochaos::output::{PROGRAM, drawing, table};
+use tribochaos::parameters::{PARAMETERS, Parameter, ParameterSet};
+use tribochaos::sweep::choice::{self, Choice};
+use tribochaos::sweep::initial_states;
+
+use super::Failure;
+use super::request::ExperimentArgs;
+
+/// Where results go.
+#[derive(Args)]
+pub struct OutArgs {
+    /// What all output names begin with [default: outputs/ and the command's name]
+    #[arg(long, value_name = "NAME")]
+    pub out: Option<PathBuf>,
+    /// Replace drawings of something else
+    #[arg(long)]
+    pub force: bool,
+    /// Print one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Initial states besides (x0, y0).
+#[derive(Args)]
+pub struct StartArgs {
+    /// Initial state, x and y; may be repeated [default: that of x0 and y0]
+    #[arg(long, value_name = "X,Y", value_parser = start, allow_hyphen_values = true)]
+    pub start: Vec<[f64; 2]>,
+}
+
+fn start(text: &str) -> Result<[f64; 2], String> {
+    let malformed = || format!("`{text}` is no initial state: write X,Y, for example 0.1,0");
+    let (x, y) = text.split_once(',').ok_or_else(malformed)?;
+    let number = |parameter: Parameter, text: &str| {
+        let value = text.trim().parse().map_err(|_| malformed())?;
+        parameter.check(value).map_err(|error| error.to_string())?;
+        Ok::<f64, String>(value)
+    };
+    Ok([number(Parameter::X0, x)?, number(Parameter::Y0, y)?])
+}
+
+impl StartArgs {
+    /// The initial states: those that were typed, or that of x0 and y0 and, with `--initial-states`, others from the box.
+    pub fn resolve(&self, args: &ExperimentArgs, experiment: &Experiment) -> Result<Vec<[f64; 2]>, Failure> {
+        if self.start.is_empty() {
+            let at = &experiment.grid.fixed;
+            let first = [at[Parameter::X0], at[Parameter::Y0]];
+            let others = initial_states::offsets(&experiment.settings);
+            return Ok([first].into_iter().chain(others).collect());
+        }
+        if sets_initial_state(args) || args.initial_states.is_some() {
+            return Err(Failure::Input(anyhow!(
+                "--start gives the initial states: leave x0, y0 and --initial-states out"
+            )));
+        }
+        Ok(self.start.clone())
+    }
+}
+
+pub fn sets_initial_state(args: &ExperimentArgs) -> bool {
+    let is_initial = |parameter| matches!(parameter, Parameter::X0 | Parameter::Y0);
+    args.set.iter().any(|&(parameter, _)| is_initial(parameter))
+}
+
+/// The experiment over an axis, or at one point; `defaults` come before what was typed. The CPU is taken unless a GPU is
+/// asked for: orbits are read back every period, and f64 leaves no doubt about them.
+pub fn experiment(args: &ExperimentArgs, axis: Option<Axis>, defaults: Request) -> Result<Experiment, Failure> {
+    let mut request = defaults;
+    args.apply(&mut request);
+    if request.settings.backend == BackendChoice::Auto {
+        request.settings.backend = BackendChoice::Cpu;
+    }
+    if let Some(axis) = axis
+        && matches!(axis.parameter, Parameter::X0 | Parameter::Y0)
+    {
+        return Err(Failure::Input(anyhow!(
+            "the axis is {}: give initial states by --start, or use `map`, whose axes they can be",
+            axis.parameter
+        )));
+    }
+    let experiment = request
+        .resolve_over(axis.into_iter().collect())
+        .map_err(Failure::input)?;
+    for warning in experiment.warnings() {
+        eprintln!("warning: {warning}");
+    }
+    Ok(experiment)
+}
+
+/// Whether the contact wears somewhere: all motion there is transient.
+pub fn wears(experiment: &Experiment) -> bool {
+    experiment.extent(Parameter::KW).1 > 0.0
+}
+
+/// # Errors
+/// If the contact wears: there is no attractor whose states could be shown.
+pub fn check_lasting(experiment: &Experiment) -> Result<(), Failure> {
+    if wears(experiment) {
+        return Err(Failure::Input(anyhow!(
+            "with wear all motion is transient, and has no attractor to draw: set k_w = 0"
+        )));
+    }
+    Ok(())
+}
+
+pub fn choose(experiment: &Experiment) -> Result<Choice, Failure> {
+    choice::choose(experiment).map_err(Failure::backend)
+}
+
+/// Several values of one parameter, NAME=V1,V2,...
+#[derive(Clone, Debug)]
+pub struct Values {
+    pub parameter: Parameter,
+    pub values: Vec<f64>,
+}
+
+pub fn values(text: &str) -> Result<Values, String> {
+    let malformed = || format!("`{text}` gives no values: write NAME=V1,V2,..., for example zeta_k=3.5,3.9");
+    let (name, list) = text.split_once('=').ok_or_else(malformed)?;
+    let parameter = Parameter::from_name(name.trim()).map_err(|error| error.to_string())?;
+    let values = list
+        .split(',')
+        .map(|text| {
+            let value = text.trim().parse().map_err(|_| malformed())?;
+            parameter.check(value).map_err(|error| error.to_string())?;
+            Ok::<f64, String>(value)
+        })
+        .collect::<Result<Vec<f64>, String>>()?;
+    Ok(Values { parameter, values })
+}
+
+/// The points with the values, or the point itself without any.
+///
+/// # Errors
+/// If the parameter is set to a value as well.
+pub fn points(
+    values: Option<&Values>,
+    at: &ParameterSet,
+    set: &[(Parameter, f64)],
+) -> Result<Vec<ParameterSet>, Failure> {
+    let Some(Values { parameter, values }) = values else {
+        return Ok(vec![*at]);
+    };
+    if set.iter().any(|(name, _)| name == parameter) {
+        return Err(Failure::Input(anyhow!(
+            "{parameter} is set and given by --at as well: leave one of the two out"
+        )));
+    }
+    Ok(values.iter().map(|&value| at.with(*parameter, value)).collect())
+}
+
+/// Parameters by their names; JSON has no infinity, so that no ramp is null.
+pub fn parameters(at: &ParameterSet) -> Value {
+    let names = PARAMETERS.iter().map(|info| info.parameter);
+    let map: Map<String, Value> = names
+        .map(|parameter| (parameter.name().to_owned(), at[parameter].into()))
+        .collect();
+    map.into()
+}
+
+/// What a drawing shows, as TOML: equal recipes give equal drawings.
+pub fn recipe(command: &str, experiment: &Experiment, options: Value) -> String {
+    // TOML, unlike JSON, has infinities
+    let names = PARAMETERS.iter().map(|info| info.parameter);
+    let parameters: toml::Table = names
+        .map(|parameter| {
+            let value = experiment.grid.fixed[parameter];
+            (parameter.name().to_owned(), toml::Value::Float(value))
+        })
+        .collect();
+    let table = |value: Result<toml::Value, toml::ser::Error>| value.expect("a recipe has a TOML form");
+    let mut recipe = toml::Table::new();
+    recipe.insert("command".to_owned(), command.into());
+    recipe.insert("program".to_owned(), PROGRAM.into());
+    recipe.insert("options".to_owned(), table(toml::Value::try_from(options)));
+    recipe.insert("axes".to_owned(), table(toml::Value::try_from(&experiment.grid.axes)));
+    recipe.insert("parameters".to_owned(), parameters.into());
+    recipe.insert(
+        "settings".to_owned(),
+        table(toml::Value::try_from(&experiment.settings)),
+    );
+    recipe.to_string()
+}
+
+/// The files of one command: NAME.png, NAME.svg, NAME.csv, and others whose names go on.
+pub struct Files {
+    name: PathBuf,
+    recipe: String,
+    written: Vec<PathBuf>,
+}
+
+impl Files {
+    /// Claims the files of the given drawings before any work, each NAME and an ending such as `-threshold`.
+    ///
+    /// # Errors
+    /// If the name names no file, or a drawing with another recipe is there and `force` is not given.
+    pub fn claim(args: &OutArgs, default: &str, drawings: &[&str], recipe: String) -> Result<Self, Failure> {
+        let name = args.out.clone().unwrap_or_else(|| default.into());
+        for drawing in drawings {
+            check(&drawing::with_ending(&name, drawing), &recipe, args.force).map_err(Failure::Input)?;
+        }
+        Ok(Self {
+            name,
+            recipe,
+            written: Vec::new(),
+        })
+    }
+
+    pub fn draw(&mut self, drawing: &str, figure: &Figure, title: &str) -> Result<(), Failure> {
+        let name = drawing::with_ending(&self.name, drawing);
+        let files = drawing::write_drawing(&name, figure, title, &self.recipe).map_err(Failure::run)?;
+        self.written.extend(files);
+        Ok(())
+    }
+
+    /// Writes a table with the recipe in its comments.
+    pub fn table<const N: usize>(
+        &mut self,
+        drawing: &str,
+        notes: &[String],
+        columns: [&str; N],
+        rows: impl Iterator<Item = [f64; N]>,
+    ) -> Result<(), Failure> {
+        let path = drawing::with_ending(&drawing::with_ending(&self.name, drawing), ".csv");
+        let recipe = self.recipe.lines().filter(|line| !line.is_empty()).map(str::to_owned);
+        let comments: Vec<String> = notes.iter().cloned().chain(recipe).collect();
+        table::write_table(&path, &comments, columns, rows).map_err(Failure::run)?;
+        self.written.push(path);
+        Ok(())
+    }
+
+    /// Says what was written: in words, or as the list `files` of an object.
+    pub fn report(&self, object: Option<Value>) {
+        match object {
+            Some(mut object) => {
+                object["files"] = self.written.iter().map(|path| path.display().to_string()).collect();
+                say!("{object:#}");
+            }
+            None => {
+                for path in &self.written {
+                    say!("wrote {}", path.display());
+                }
+            }
+        }
+    }
+}
+
+fn check(name: &Path, recipe: &str, force: bool) -> anyhow::Result<()> {
+    let text = name.to_string_lossy();
+    if name.file_name().is_none() || text.ends_with(std::path::is_separator) {
+        bail!("`{text}` names no file: give --out a name such as outputs/phase");
+    }
+    let [png, svg, csv] = [".png", ".svg", ".csv"].map(|ending| drawing::with_ending(name, ending));
+    for file in [&png, &svg, &csv] {
+        if file.is_dir() {
+            bail!("{} is a folder: move it away, or give another --out", file.display());
+        }
+    }
+    if force {
+        return Ok(());
+    }
+    if png.exists() {
+        if drawing::read_recipe(&png).ok().flatten().as_deref() != Some(recipe) {
+            bail!(
+                "{} shows something else: give another --out, or --force to replace it",
+                png.display()
+            );
+        }
+    } else if let Some(file) = [&svg, &csv].into_iter().find(|file| file.exists()) {
+        bail!(
+            "{} is there already: give another --out, or --force to replace it",
+            file.display()
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,195 @@
+//! `bifurcation`: stroboscopic states over one parameter.
+
+use std::time::Instant;
+
+use clap::Args;
+use serde_json::json;
+use tribochaos::analysis::bifurcation::{Columns, diagram};
+use tribochaos::experiment::Request;
+use tribochaos::grid::Axis;
+use tribochaos::output::charts::{self, Component};
+use tribochaos::output::sheet::{SINGLE, Sheet};
+use tribochaos::output::{PROGRAM, caption};
+use tribochaos::parameters::Parameter;
+use tribochaos::sweep::Event;
+
+use super::analysis::{self, Files, OutArgs, StartArgs};
+use super::progress::{self, Progress};
+use super::request::{self, ExperimentArgs};
+use super::{Failure, report};
+
+/// Every column has the states at drive phase 0 of 200 periods after 300, unless told otherwise.
+#[derive(Args)]
+#[command(after_help = request::parameter_table())]
+pub struct BifurcationArgs {
+    /// The parameter and its values, ends included [default: zeta_k=0:12:2400]
+    #[arg(long, value_name = "NAME=START:STOP:COUNT", value_parser = request::axis)]
+    x: Option<Axis>,
+    /// State that is drawn
+    #[arg(long, value_name = "x|y", default_value = "x", value_parser = request::named::<Component>)]
+    show: Component,
+    /// Begin each column where the one before ended, as the parameter rises (up) or falls (down); the two differ where
+    /// attractors coexist [default: begin every column at the same initial states]
+    #[arg(long, value_name = "up|down", value_parser = follow)]
+    follow: Option<Columns>,
+    /// Ends of the drawn state's axis [default: from the data]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = request::range, allow_hyphen_values = true)]
+    limits: Option<[f64; 2]>,
+    #[command(flatten)]
+    start: StartArgs,
+    #[command(flatten)]
+    experiment: ExperimentArgs,
+    #[command(flatten)]
+    out: OutArgs,
+}
+
+fn follow(text: &str) -> Result<Columns, String> {
+    match text {
+        "up" => Ok(Columns::FollowUp),
+        "down" => Ok(Columns::FollowDown),
+        _ => Err(format!("`{text}` is no direction: up and down are")),
+    }
+}
+
+/// States that fit into memory and into a table that can be used.
+const MOST_STATES: u64 = 50_000_000;
+
+pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
+    let axis = args.x.unwrap_or(Axis {
+        parameter: Parameter::ZetaK,
+        start: 0.0,
+        stop: 12.0,
+        count: 2400,
+    });
+    let mut defaults = Request::default();
+    defaults.settings.periods = 200;
+    let experiment = analysis::experiment(&args.experiment, Some(axis), defaults)?;
+    let settings = &experiment.settings;
+    let starts = args.start.resolve(&args.experiment, &experiment)?;
+    let states = axis.count as u64 * starts.len() as u64 * u64::from(settings.periods);
+    if states > MOST_STATES {
+        return Err(Failure::Input(anyhow::anyhow!(
+            "{states} states are too many (at most {MOST_STATES}): use fewer values, initial states or --periods"
+        )));
+    }
+    if let Some([low, high]) = args.limits
+        && !(low < high && low.is_finite() && high.is_finite())
+    {
+        return Err(Failure::Input(anyhow::anyhow!(
+            "the limits {low}:{high} are no range: give the lower one first"
+        )));
+    }
+    let columns = args.follow.unwrap_or(Columns::Fresh);
+    analysis::check_lasting(&experiment)?;
+    if columns != Columns::Fresh && experiment.is_rubbed() {
+        return Err(Failure::Input(anyhow::anyhow!(
+            "--follow carries the angle and the speed of the bush from column to column, not the heat of the shaft: leave \
+             --follow out, or set gamma = 0"
+        )));
+    }
+    let options = json!({
+        "show": args.show,
+        "columns": columns,
+        "limits": args.limits.into_iter().collect::<Vec<_>>(),
+        "starts": starts,
+    });
+    let recipe = analysis::recipe("bifurcation", &experiment, options);
+    let mut files = Files::claim(&args.out, "outputs/bifurcation", &[""], recipe)?;
+    let mut choice = analysis::choose(&experiment)?;
+
+    progress::catch_interrupt();
+    let started = Instant::now();
+    let instances = axis.count * starts.len();
+    let bar = Progress::new(
+        instances as u64 * u64::from(settings.transient_periods + settings.periods),
+        axis.count,
+    );
+    let mut hear = |periods| bar.hear(Event::Advanced(periods));
+    let backend = choice.backends.active_mut();
+    let diagram = diagram(
+        backend,
+        settings,
+        &experiment.grid.fixed,
+        &axis,
+        &starts,
+        columns,
+        &mut hear,
+    )
+    .map_err(Failure::backend)?
+    .ok_or_else(|| Failure::Interrupted("nothing is drawn".into()))?;
+    drop(bar);
+
+    let panel = charts::bifurcation("", &diagram, args.show, args.limits, SINGLE);
+    let outside = charts::outside(&panel);
+    let from: Vec<String> = starts.iter().take(6).map(|&start| charts::start(start)).collect();
+    let more = if starts.len() > 6 {
+        format!(" and {} more", starts.len() - 6)
+    } else {
+        String::new()
+    };
+    let manner = match columns {
+        Columns::Fresh => "each value from",
+        Columns::FollowUp => "followed upward from",
+        Columns::FollowDown => "followed downward from",
+    };
+    let mut numerics = format!(
+        "{} values, {manner} (x, y) = {}{more}; {} states each after {} forcing periods. {}. ",
+        axis.count,
+        from.join(", "),
+        settings.periods,
+        settings.transient_periods,
+        caption::scheme(settings)
+    );
+    if outside > 0 {
+        numerics += &format!("{outside} of {} states lie outside the frame. ", diagram.len());
+    }
+    if diagram.runaways > 0 {
+        numerics += &format!(
+            "{} orbits ran away or were given up as under-resolved. ",
+            diagram.runaways
+        );
+    }
+    let shown = [axis.parameter, Parameter::X0, Parameter::Y0];
+    let caption = vec![
+        charts::fixed(&experiment.grid.fixed, &shown),
+        format!("{numerics}{PROGRAM}."),
+    ];
+    let figure = Sheet::single(panel, caption).draw().map_err(Failure::run)?;
+    files.draw("", &figure, "Bifurcation diagram of the bush-shaft system")?;
+    let rows = diagram.columns.iter().enumerate().flat_map(|(index, column)| {
+        let value = axis.value(index);
+        column.iter().map(move |&[x, y]| [value, x, y])
+    });
+    files.table(
+        "",
+        &["states at drive phase 0".to_owned()],
+        [axis.parameter.name(), "x", "y"],
+        rows,
+    )?;
+    if args.out.json {
+        let object = json!({
+            "parameters": analysis::parameters(&experiment.grid.fixed),
+            "axis": axis,
+            "columns": columns,
+            "starts": starts,
+            "states": diagram.len(),
+            "runaways": diagram.runaways,
+        });
+        files.report(Some(object));
+        return Ok(());
+    }
+    say!(
+        "{} states over {} values in {}",
+        diagram.len(),
+        axis.count,
+        report::duration(started.elapsed())
+    );
+    if diagram.runaways > 0 {
+        say!(
+            "{} orbits ran away or were given up as under-resolved",
+            diagram.runaways
+        );
+    }
+    files.report(None);
+    Ok(())
+}

@@ -1,0 +1,133 @@
+//! `poincare`: the stroboscopic section of an attractor.
+
+use std::time::Instant;
+
+use clap::Args;
+use serde_json::json;
+use tribochaos::analysis::section::{self, ORBITS};
+use tribochaos::experiment::Request;
+use tribochaos::output::panel::Layer;
+use tribochaos::output::sheet::{SINGLE, Sheet};
+use tribochaos::output::{PROGRAM, caption, charts};
+use tribochaos::sweep::Event;
+
+use super::analysis::{self, Files, OutArgs};
+use super::progress::{self, Progress};
+use super::request::{self, ExperimentArgs};
+use super::{Failure, report};
+
+/// Many orbits, begun within 1e-3 of (x0, y0), share the work; on a chaotic attractor they part within some tens of periods.
+/// The default is 500 periods of transient; measured periods follow from --points.
+#[derive(Args)]
+#[command(after_help = request::parameter_table())]
+pub struct PoincareArgs {
+    /// States at drive phase 0 in the section
+    #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..=200_000_000))]
+    points: u64,
+    /// Part of the plane to draw, as X_MIN:X_MAX,Y_MIN:Y_MAX [default: all that is reached]
+    #[arg(long, value_name = "BOX", value_parser = request::initial_box, allow_hyphen_values = true)]
+    window: Option<tribochaos::experiment::InitialBox>,
+    #[command(flatten)]
+    experiment: ExperimentArgs,
+    #[command(flatten)]
+    out: OutArgs,
+}
+
+pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
+    let mut defaults = Request::default();
+    defaults.settings.transient_periods = 500;
+    let mut experiment = analysis::experiment(&args.experiment, None, defaults)?;
+    analysis::check_lasting(&experiment)?;
+    if args.experiment.periods.is_some() {
+        return Err(Failure::Input(anyhow::anyhow!(
+            "the measured periods of a section follow from --points: leave --periods out"
+        )));
+    }
+    if let Some(window) = args.window
+        && !(window.x[0] < window.x[1] && window.y[0] < window.y[1])
+    {
+        return Err(Failure::Input(anyhow::anyhow!(
+            "the window has no extent: write X_MIN:X_MAX,Y_MIN:Y_MAX, lower ends first"
+        )));
+    }
+    let orbits = u32::try_from(args.points.div_ceil(64)).unwrap_or(ORBITS).min(ORBITS);
+    experiment.settings.periods = section::periods(args.points, orbits);
+    let settings = &experiment.settings;
+    let at = &experiment.grid.fixed;
+    let options =
+        json!({ "points": args.points, "orbits": orbits, "window": args.window.into_iter().collect::<Vec<_>>() });
+    let recipe = analysis::recipe("poincare", &experiment, options);
+    let mut files = Files::claim(&args.out, "outputs/poincare", &[""], recipe)?;
+    let mut choice = analysis::choose(&experiment)?;
+
+    progress::catch_interrupt();
+    let started = Instant::now();
+    let bar = Progress::new(
+        u64::from(orbits) * u64::from(settings.transient_periods + settings.periods),
+        orbits as usize,
+    );
+    let mut hear = |periods| bar.hear(Event::Advanced(periods));
+    let section::Section { mut points, runaways } =
+        section::section(choice.backends.active_mut(), settings, at, orbits, &mut hear)
+            .map_err(Failure::backend)?
+            .ok_or_else(|| Failure::Interrupted("nothing is drawn".into()))?;
+    drop(bar);
+    if points.is_empty() {
+        return Err(Failure::Run(anyhow::anyhow!(
+            "all {orbits} orbits ran away: there is no attractor near (x0, y0)"
+        )));
+    }
+    points.truncate(usize::try_from(args.points).unwrap_or(usize::MAX));
+
+    let [x, y] = args.window.map_or([None; 2], |window| [Some(window.x), Some(window.y)]);
+    let panel = charts::section("", &points, x, y, SINGLE);
+    let (occupied, outside) = match &panel.layers[..] {
+        [Layer::Density(density)] => (density.occupied(), density.outside()),
+        _ => (0, 0),
+    };
+    let mut numerics = format!(
+        "{} states of {orbits} orbits begun within 0.001 of (x₀, y₀), after {} forcing periods. {}. ",
+        points.len(),
+        settings.transient_periods,
+        caption::scheme(settings)
+    );
+    if outside > 0 {
+        numerics += &format!("{outside} states lie outside the window. ");
+    }
+    if runaways > 0 {
+        numerics += &format!("{runaways} orbits ran away or were given up as under-resolved. ");
+    }
+    let caption = vec![charts::fixed(at, &[]), format!("{numerics}{PROGRAM}.")];
+    files.draw(
+        "",
+        &Sheet::single(panel, caption).draw().map_err(Failure::run)?,
+        "Stroboscopic section of the bush-shaft system",
+    )?;
+    files.table(
+        "",
+        &["states at drive phase 0".to_owned()],
+        ["x", "y"],
+        points.iter().copied(),
+    )?;
+    if args.out.json {
+        let object = json!({
+            "parameters": analysis::parameters(at),
+            "points": points.len(),
+            "orbits": orbits,
+            "runaways": runaways,
+            "pixels": occupied,
+        });
+        files.report(Some(object));
+        return Ok(());
+    }
+    say!(
+        "{} states on {occupied} pixels in {}",
+        points.len(),
+        report::duration(started.elapsed())
+    );
+    if occupied <= 64 {
+        say!("so few pixels mean a cycle, not a chaotic attractor");
+    }
+    files.report(None);
+    Ok(())
+}

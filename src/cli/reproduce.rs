@@ -1,0 +1,73 @@
+//! `reproduce`: the paper's figures and the table of its numbers.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::anyhow;
+use clap::Args;
+use tribochaos::paper::{Effort, FIGURES, Figure, Files};
+
+use super::progress;
+use super::{Failure, report};
+
+/// Figures that are there and current are not computed again.
+#[derive(Args)]
+pub struct ReproduceArgs {
+    /// Figure by its number in the paper; may be repeated [default: all]
+    #[arg(long, value_name = "N.N", value_parser = figure)]
+    figure: Vec<&'static Figure>,
+    /// Folder for the figures and the table
+    #[arg(long, value_name = "FOLDER", default_value = "outputs/paper")]
+    out: PathBuf,
+    /// Coarse scans, in seconds, with the same rows and pictures
+    #[arg(long)]
+    quick: bool,
+    /// Compute figures again that are current
+    #[arg(long)]
+    force: bool,
+}
+
+fn figure(id: &str) -> Result<&'static Figure, String> {
+    Figure::from_id(id).map_err(|error| error.to_string())
+}
+
+pub fn run(args: &ReproduceArgs) -> Result<(), Failure> {
+    if args.out.is_file() {
+        return Err(Failure::Input(anyhow!(
+            "{} is a file: give --out a folder",
+            args.out.display()
+        )));
+    }
+    let effort = if args.quick { Effort::Quick } else { Effort::Full };
+    let files = Files::new(&args.out, effort);
+    let figures: Vec<&Figure> = if args.figure.is_empty() {
+        FIGURES.iter().collect()
+    } else {
+        args.figure.clone()
+    };
+    progress::catch_interrupt();
+    for figure in figures {
+        if !args.force && files.current(figure).is_some() {
+            say!("figure {} is current", figure.id);
+            continue;
+        }
+        let started = Instant::now();
+        let outcome = figure
+            .compute(effort, &mut progress::until_interrupted)
+            .map_err(Failure::run)?
+            .ok_or_else(|| {
+                Failure::Interrupted(format!(
+                    "figure {} is not finished; the same command goes on with it",
+                    figure.id
+                ))
+            })?;
+        let written = files.write(figure, &outcome).map_err(Failure::run)?;
+        say!("figure {} in {}", figure.id, report::duration(started.elapsed()));
+        for file in written {
+            say!("wrote {}", file.display());
+        }
+    }
+    let (table, path) = files.write_table().map_err(Failure::run)?;
+    say!("wrote {}\n\n{table}", path.display());
+    Ok(())
+}

@@ -1,0 +1,296 @@
+//! Panels of the analyses: which layers, labels and colours each has.
+//!
+//! Owns what is drawn of a result; neither computes it nor places panels.
+
+use super::caption::{assignment, parameter_label};
+use super::colour;
+use super::density::Density;
+use super::panel::{Layer, Panel, Scale, Stroke};
+use crate::analysis::bifurcation::Diagram;
+use crate::analysis::exponents::Line;
+use crate::analysis::melnikov::Curve;
+use crate::analysis::onset::Found;
+use crate::analysis::path::PathPoint;
+use crate::measurement::Measurement;
+use crate::parameters::Parameter;
+
+/// Ends of an axis that are given beforehand; None takes them from the data.
+pub type Limits = Option<[f64; 2]>;
+
+const ANGLE: &str = "angle of the bush, x";
+const SPEED: &str = "angular speed of the bush, y";
+const STROBOSCOPIC: &str = "at drive phase 0";
+
+fn scale(label: &str, limits: Limits, values: impl Iterator<Item = f64>) -> Scale {
+    match limits {
+        Some([low, high]) => Scale::new(label, low, high),
+        None => Scale::around(label, values),
+    }
+}
+
+/// Colour of the curve with an index.
+fn colour_of(index: usize) -> colour::Rgb {
+    colour::PERIODS[index % colour::PERIODS.len()]
+}
+
+/// Grey, for zero lines.
+const FAINT: colour::Rgb = [0x80, 0x80, 0x80];
+
+/// Mel'nikov's function over tau0: named curves of pairs (tau0, M); every second one is dashed.
+pub fn melnikov(title: &str, curves: &[(String, Vec<[f64; 2]>)], limits: Limits) -> Panel {
+    let points = || curves.iter().flat_map(|(_, points)| points.iter());
+    let mut layers = vec![Layer::Level {
+        y: 0.0,
+        stroke: Stroke::solid(FAINT, 1.0),
+    }];
+    layers.extend(curves.iter().enumerate().map(|(index, (name, points))| Layer::Curve {
+        name: name.clone(),
+        points: points.clone(),
+        stroke: Stroke {
+            colour: colour_of(index),
+            width: 2.0,
+            is_dashed: index % 2 == 1,
+        },
+    }));
+    let times = points().map(|point| point[0]);
+    Panel {
+        title: title.to_owned(),
+        x: Scale::new(
+            "time τ₀",
+            times.clone().fold(f64::INFINITY, f64::min),
+            times.fold(f64::NEG_INFINITY, f64::max),
+        ),
+        y: scale(
+            "Mel'nikov's function M(τ₀)",
+            limits,
+            points().map(|point| point[1]).chain([0.0]),
+        ),
+        layers,
+    }
+}
+
+/// The threshold in one parameter over another.
+pub fn threshold(curve: &Curve) -> Panel {
+    let points: Vec<[f64; 2]> = curve
+        .thresholds
+        .iter()
+        .enumerate()
+        .map(|(index, threshold)| [curve.over.value(index), threshold.value().unwrap_or(f64::NAN)])
+        .collect();
+    let (low, high) = (
+        curve.over.start.min(curve.over.stop),
+        curve.over.start.max(curve.over.stop),
+    );
+    let info = curve.search.parameter.info();
+    Panel {
+        title: String::new(),
+        x: Scale::new(&parameter_label(curve.over.parameter), low, high),
+        y: Scale::around(
+            &format!("threshold in {}", info.symbol),
+            points.iter().map(|point| point[1]),
+        ),
+        layers: vec![Layer::Curve {
+            name: "from here upward Mel'nikov's function changes sign".to_owned(),
+            points,
+            stroke: Stroke::solid(colour_of(0), 2.0),
+        }],
+    }
+}
+
+/// Named orbits in the phase plane with their stroboscopic points.
+pub fn phase(title: &str, orbits: &[(String, Vec<PathPoint>)], x: Limits, y: Limits) -> Panel {
+    let points = || orbits.iter().flat_map(|(_, path)| path.iter());
+    let curves = orbits.iter().enumerate().map(|(index, (name, path))| Layer::Curve {
+        name: name.clone(),
+        points: path.iter().map(|point| [point.x, point.y]).collect(),
+        stroke: Stroke::solid(colour_of(index), if orbits.len() > 1 { 1.0 } else { 0.8 }),
+    });
+    let strobes = orbits.iter().enumerate().map(|(index, (_, path))| {
+        let strobes = path.iter().filter(|point| point.is_stroboscopic);
+        Layer::Marks {
+            name: String::new(),
+            points: strobes.map(|point| [point.x, point.y]).collect(),
+            colour: darker(colour_of(index)),
+            radius: 3.5,
+        }
+    });
+    // one legend entry for all orbits
+    let legend_of_marks = Layer::Marks {
+        name: STROBOSCOPIC.to_owned(),
+        points: Vec::new(),
+        colour: [0x30; 3],
+        radius: 3.5,
+    };
+    Panel {
+        title: title.to_owned(),
+        x: scale(ANGLE, x, points().map(|point| point.x)),
+        y: scale(SPEED, y, points().map(|point| point.y)),
+        layers: curves.chain(strobes).chain([legend_of_marks]).collect(),
+    }
+}
+
+fn darker(colour: colour::Rgb) -> colour::Rgb {
+    colour.map(|value| (f64::from(value) * 0.55) as u8)
+}
+
+/// The stroboscopic section as a density over a frame of the given size.
+pub fn section(title: &str, points: &[[f64; 2]], x: Limits, y: Limits, frame: [u32; 2]) -> Panel {
+    let x = scale(
+        &format!("{ANGLE} ({STROBOSCOPIC})"),
+        x,
+        points.iter().map(|point| point[0]),
+    );
+    let y = scale(
+        &format!("{SPEED} ({STROBOSCOPIC})"),
+        y,
+        points.iter().map(|point| point[1]),
+    );
+    let density = Density::new(
+        points.iter().copied(),
+        [x.low, x.high],
+        [y.low, y.high],
+        frame.map(|size| size as usize),
+    );
+    Panel {
+        title: title.to_owned(),
+        x,
+        y,
+        layers: vec![Layer::Density(density)],
+    }
+}
+
+/// Which component of the stroboscopic states a bifurcation diagram shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Component {
+    X,
+    Y,
+}
+
+/// The bifurcation diagram as a density over a frame of the given size.
+///
+/// Each column of pixels has the states of a whole number of the axis' values, so that no column is darker for having one
+/// more.
+pub fn bifurcation(title: &str, diagram: &Diagram, component: Component, limits: Limits, frame: [u32; 2]) -> Panel {
+    let axis = &diagram.axis;
+    let value = |state: &[f64; 2]| state[component as usize];
+    let states = || diagram.columns.iter().flatten().map(value);
+    let label = match component {
+        Component::X => ANGLE,
+        Component::Y => SPEED,
+    };
+    let y = scale(&format!("{label} ({STROBOSCOPIC})"), limits, states());
+    let group = axis.count.div_ceil(frame[0] as usize);
+    let columns = axis.count.div_ceil(group);
+    let rises = axis.step() > 0.0;
+    let points = diagram.columns.iter().enumerate().flat_map(|(index, column)| {
+        let place = if rises { index } else { axis.count - 1 - index };
+        column.iter().map(move |state| [place as f64 + 0.5, value(state)])
+    });
+    let extent = [0.0, (columns * group) as f64];
+    let density = Density::new(points, extent, [y.low, y.high], [columns, frame[1] as usize]);
+    let (step, lowest) = (axis.step().abs(), axis.start.min(axis.stop));
+    let left = lowest - 0.5 * step;
+    Panel {
+        title: title.to_owned(),
+        x: Scale::new(&parameter_label(axis.parameter), left, left + extent[1] * step),
+        y,
+        layers: vec![Layer::Density(density)],
+    }
+}
+
+/// Standard errors that a band is wide to either side.
+const BAND: f64 = 2.0;
+
+/// The three exponents over the axis of a line, with error bands and the onset of chaos.
+pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits) -> Panel {
+    let axis = &line.axis;
+    let curve = |value: fn(&Measurement) -> f64| -> Vec<[f64; 2]> {
+        let points = line.measurements.iter().enumerate();
+        points.map(|(index, m)| [axis.value(index), value(m)]).collect()
+    };
+    let band = |value: fn(&Measurement) -> [f64; 2]| -> Vec<[f64; 3]> {
+        let points = line.measurements.iter().enumerate();
+        points
+            .map(|(index, m)| {
+                let [value, error] = value(m);
+                [axis.value(index), value - BAND * error, value + BAND * error]
+            })
+            .collect()
+    };
+    let (first, second, third) = (colour_of(4), colour_of(0), FAINT);
+    let (low, high) = (axis.start.min(axis.stop), axis.start.max(axis.stop));
+    let mut layers = vec![
+        Layer::Curve {
+            name: "λ₃ = 0, along the flow".to_owned(),
+            points: vec![[low, 0.0], [high, 0.0]],
+            stroke: Stroke::solid(third, 1.2),
+        },
+        Layer::Band {
+            name: String::new(),
+            points: band(|m| [m.lyapunov_second, m.lyapunov_second_error]),
+            colour: second,
+        },
+        Layer::Band {
+            name: String::new(),
+            points: band(|m| [m.lyapunov, m.lyapunov_error]),
+            colour: first,
+        },
+        Layer::Curve {
+            name: "λ₂".to_owned(),
+            points: curve(|m| m.lyapunov_second),
+            stroke: Stroke::solid(second, 1.2),
+        },
+        Layer::Curve {
+            name: "λ₁ (bands: ± 2 standard errors)".to_owned(),
+            points: curve(|m| m.lyapunov),
+            stroke: Stroke::solid(first, 1.2),
+        },
+    ];
+    if let Some(found) = onset {
+        layers.push(Layer::Flag {
+            x: found.value,
+            words: format!("onset: {}", assignment(axis.parameter, rounded(found.value))),
+            stroke: Stroke::dashed([0, 0, 0], 1.2),
+        });
+    }
+    let values = line
+        .measurements
+        .iter()
+        .flat_map(|m| [m.lyapunov, m.lyapunov_second, 0.0]);
+    Panel {
+        title: title.to_owned(),
+        x: Scale::new(&parameter_label(axis.parameter), low, high),
+        y: scale("Lyapunov exponents (1/τ)", limits, values),
+        layers,
+    }
+}
+
+/// States outside the frame of a panel with a density.
+pub fn outside(panel: &Panel) -> usize {
+    let of_layer = |layer: &Layer| match layer {
+        Layer::Density(density) => density.outside(),
+        _ => 0,
+    };
+    panel.layers.iter().map(of_layer).sum()
+}
+
+/// The value without rounding errors in its last digits.
+pub fn rounded(value: f64) -> f64 {
+    format!("{value:.9e}").parse().unwrap_or(value)
+}
+
+/// The initial state as captions name it.
+pub fn start([x, y]: [f64; 2]) -> String {
+    format!("({x}, {y})").replace('-', "\u{2212}")
+}
+
+/// The parameters that a drawing shows nowhere else, of `all`.
+pub fn fixed(all: &crate::parameters::ParameterSet, shown: &[Parameter]) -> String {
+    let parameters = crate::parameters::PARAMETERS.iter().map(|info| info.parameter);
+    super::caption::fixed(
+        parameters
+            .filter(|parameter| !shown.contains(parameter))
+            .map(|parameter| (parameter, all[parameter])),
+    )
+}

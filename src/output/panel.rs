@@ -1,0 +1,410 @@
+//! A panel: curves, bands, marks and densities within a frame with axes.
+//!
+//! Owns what a panel holds and its drawing within given room; the sheet places panels, others choose what they show.
+
+use std::fmt::Write as _;
+
+use super::colour::Rgb;
+use super::density::Density;
+use super::figure::FigureError;
+use super::svg::{hex, line, upright, words};
+use super::text::{widest, width, wrap};
+use super::ticks::{Tick, ticks};
+
+/// One axis: its words and its ends.
+#[derive(Clone, Debug)]
+pub struct Scale {
+    pub label: String,
+    pub low: f64,
+    pub high: f64,
+}
+
+impl Scale {
+    pub fn new(label: &str, low: f64, high: f64) -> Self {
+        Self {
+            label: label.to_owned(),
+            low,
+            high,
+        }
+    }
+
+    /// Ends a little beyond the finite ones of the values; around a single value, or 0, where there is no extent.
+    pub fn around(label: &str, values: impl Iterator<Item = f64>) -> Self {
+        let (low, high) = values
+            .filter(|value| value.is_finite())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                (low.min(value), high.max(value))
+            });
+        let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
+        let margin = if high > low {
+            0.04 * (high - low)
+        } else {
+            0.5 * high.abs().max(1.0)
+        };
+        Self::new(label, low - margin, high + margin)
+    }
+
+    /// Position of a value, 0 at the lower end and 1 at the upper.
+    fn part(&self, value: f64) -> f64 {
+        (value - self.low) / (self.high - self.low)
+    }
+}
+
+/// How a line is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stroke {
+    pub colour: Rgb,
+    /// In pixels.
+    pub width: f64,
+    pub is_dashed: bool,
+}
+
+impl Stroke {
+    pub fn solid(colour: Rgb, width: f64) -> Self {
+        Self {
+            colour,
+            width,
+            is_dashed: false,
+        }
+    }
+
+    pub fn dashed(colour: Rgb, width: f64) -> Self {
+        Self {
+            colour,
+            width,
+            is_dashed: true,
+        }
+    }
+
+    fn attributes(&self) -> String {
+        let dash = if self.is_dashed {
+            format!(" stroke-dasharray=\"{} {}\"", 4.0 * self.width, 2.5 * self.width)
+        } else {
+            String::new()
+        };
+        format!(
+            "fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{dash}",
+            hex(self.colour),
+            self.width
+        )
+    }
+}
+
+/// What lies within a frame; layers are drawn in their order. A name appears in the legend; an empty one does not.
+#[derive(Clone, Debug)]
+pub enum Layer {
+    /// A line through points; NaN parts its pieces.
+    Curve {
+        name: String,
+        points: Vec<[f64; 2]>,
+        stroke: Stroke,
+    },
+    /// The area between two curves, as [x, low, high].
+    Band {
+        name: String,
+        points: Vec<[f64; 3]>,
+        colour: Rgb,
+    },
+    /// Filled circles.
+    Marks {
+        name: String,
+        points: Vec<[f64; 2]>,
+        colour: Rgb,
+        /// In pixels.
+        radius: f64,
+    },
+    /// Hits per pixel over the whole frame.
+    Density(Density),
+    /// A line across the frame at a height.
+    Level { y: f64, stroke: Stroke },
+    /// A line up the frame, and words above it, where they hide nothing.
+    Flag { x: f64, words: String, stroke: Stroke },
+}
+
+/// A frame with axes and what lies within.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    pub title: String,
+    pub x: Scale,
+    pub y: Scale,
+    pub layers: Vec<Layer>,
+}
+
+const TICK_SIZE: f64 = 15.0;
+const LABEL_SIZE: f64 = 16.0;
+const LINE: f64 = 1.35 * LABEL_SIZE;
+const LEGEND_ROW: f64 = 1.7 * TICK_SIZE;
+const SWATCH: f64 = 30.0;
+
+/// Room around a frame, in pixels.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Room {
+    pub left: f64,
+    pub right: f64,
+    pub top: f64,
+    pub bottom: f64,
+}
+
+impl Panel {
+    /// Room that the panel needs around a frame of a size.
+    pub(super) fn room(&self, [frame_width, frame_height]: [f64; 2]) -> Room {
+        let y_ticks = y_ticks(&self.y, frame_height);
+        let tick_width = widest(y_ticks.iter().map(|tick| tick.label.as_str()), TICK_SIZE);
+        let y_lines = wrap(&self.y.label, LABEL_SIZE, frame_height).len() as f64;
+        let x_lines = wrap(&self.x.label, LABEL_SIZE, frame_width).len() as f64;
+        let bar = self.density().map_or(18.0, |density| density.bar_room(TICK_SIZE));
+        Room {
+            left: 10.0 + tick_width + 8.0 + y_lines * LINE,
+            right: bar,
+            top: if self.title.is_empty() { 12.0 } else { 1.9 * LABEL_SIZE },
+            bottom: 9.0 + TICK_SIZE + x_lines * LINE + self.legend_rows(frame_width).len() as f64 * LEGEND_ROW + 12.0,
+        }
+    }
+
+    fn flags(&self) -> impl Iterator<Item = (f64, &str)> {
+        self.layers.iter().filter_map(|layer| match layer {
+            Layer::Flag { x, words, .. } => Some((*x, words.as_str())),
+            _ => None,
+        })
+    }
+
+    fn density(&self) -> Option<&Density> {
+        self.layers.iter().find_map(|layer| match layer {
+            Layer::Density(density) => Some(density),
+            _ => None,
+        })
+    }
+
+    /// Draws the panel with its frame at [left, top, width, height]; `id` is unique in the document.
+    pub(super) fn draw(&self, svg: &mut String, frame: [f64; 4], id: usize) -> Result<(), FigureError> {
+        let [left, top, frame_width, frame_height] = frame;
+        let place = format!("x=\"{left}\" y=\"{top}\" width=\"{frame_width}\" height=\"{frame_height}\"");
+        let _ = writeln!(
+            svg,
+            "<clipPath id=\"frame{id}\"><rect {place}/></clipPath>\n<g clip-path=\"url(#frame{id})\">"
+        );
+        for layer in &self.layers {
+            self.draw_layer(svg, frame, layer)?;
+        }
+        let _ = writeln!(
+            svg,
+            "</g>\n<rect {place} fill=\"none\" stroke=\"#000000\" stroke-width=\"1\"/>"
+        );
+        if !self.title.is_empty() {
+            words(svg, &self.title, left, top - 0.55 * LABEL_SIZE, LABEL_SIZE, "start");
+        }
+        let mut clear = if self.title.is_empty() {
+            left
+        } else {
+            left + width(&self.title, LABEL_SIZE) + 16.0
+        };
+        for (x, text) in self.flags() {
+            // above its line, but for the title and the frame's end
+            let room = left + frame_width - width(text, TICK_SIZE);
+            let at = (left + self.x.part(x) * frame_width - 6.0).min(room).max(clear);
+            words(svg, text, at, top - 0.55 * LABEL_SIZE, TICK_SIZE, "start");
+            clear = at + width(text, TICK_SIZE) + 16.0;
+        }
+        self.draw_axes(svg, frame);
+        if let Some(density) = self.density() {
+            density.draw_bar(svg, [left + frame_width, top, frame_height], TICK_SIZE, id);
+        }
+        Ok(())
+    }
+
+    fn draw_layer(&self, svg: &mut String, frame: [f64; 4], layer: &Layer) -> Result<(), FigureError> {
+        let [left, top, frame_width, frame_height] = frame;
+        let place = |[x, y]: [f64; 2]| {
+            (
+                left + self.x.part(x) * frame_width,
+                top + (1.0 - self.y.part(y)) * frame_height,
+            )
+        };
+        match layer {
+            Layer::Curve { points, stroke, .. } => {
+                let path = path(points.iter().map(|&point| place(point)));
+                let _ = writeln!(svg, "<path d=\"{path}\" {}/>", stroke.attributes());
+            }
+            Layer::Band { points, colour, .. } => {
+                // pieces between gaps, there along the upper end and back along the lower
+                for piece in points.split(|point| point.iter().any(|value| !value.is_finite())) {
+                    let upper = piece.iter().map(|&[x, _, high]| place([x, high]));
+                    let lower = piece.iter().rev().map(|&[x, low, _]| place([x, low]));
+                    let path = path(upper.chain(lower));
+                    let _ = writeln!(
+                        svg,
+                        "<path d=\"{path}\" fill=\"{}\" fill-opacity=\"0.3\" stroke=\"none\"/>",
+                        hex(*colour)
+                    );
+                }
+            }
+            Layer::Marks {
+                points, colour, radius, ..
+            } => {
+                for (x, y) in points.iter().map(|&point| place(point)) {
+                    if x.is_finite() && y.is_finite() {
+                        let _ = writeln!(
+                            svg,
+                            "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{radius}\" fill=\"{}\" stroke=\"#ffffff\" \
+                             stroke-width=\"{}\"/>",
+                            hex(*colour),
+                            0.2 * radius
+                        );
+                    }
+                }
+            }
+            Layer::Density(density) => density.draw(svg, frame)?,
+            Layer::Level { y, stroke } => {
+                let (_, y) = place([self.x.low, *y]);
+                let _ = writeln!(
+                    svg,
+                    "<path d=\"M{left} {y:.2}L{} {y:.2}\" {}/>",
+                    left + frame_width,
+                    stroke.attributes()
+                );
+            }
+            Layer::Flag { x, stroke, .. } => {
+                let (x, _) = place([*x, self.y.low]);
+                let _ = writeln!(
+                    svg,
+                    "<path d=\"M{x:.2} {top}L{x:.2} {}\" {}/>",
+                    top + frame_height,
+                    stroke.attributes()
+                );
+            }
+        }
+        Ok(())
+    }
+
+    fn draw_axes(&self, svg: &mut String, [left, top, frame_width, frame_height]: [f64; 4]) {
+        let bottom = top + frame_height;
+        for tick in x_ticks(&self.x, frame_width) {
+            let x = left + self.x.part(tick.value) * frame_width;
+            line(svg, [x, bottom, x, bottom + 6.0], 1.0);
+            words(svg, &tick.label, x, bottom + 9.0 + TICK_SIZE, TICK_SIZE, "middle");
+        }
+        let y_ticks = y_ticks(&self.y, frame_height);
+        for tick in &y_ticks {
+            let y = bottom - self.y.part(tick.value) * frame_height;
+            line(svg, [left - 6.0, y, left, y], 1.0);
+            words(svg, &tick.label, left - 10.0, y + 0.36 * TICK_SIZE, TICK_SIZE, "end");
+        }
+        let tick_width = widest(y_ticks.iter().map(|tick| tick.label.as_str()), TICK_SIZE);
+        let y_lines = wrap(&self.y.label, LABEL_SIZE, frame_height);
+        for (index, text) in y_lines.iter().enumerate() {
+            let x = left - 10.0 - tick_width - 8.0 - (y_lines.len() - 1 - index) as f64 * LINE;
+            upright(svg, text, x, top + 0.5 * frame_height, LABEL_SIZE);
+        }
+        let mut y = bottom + 9.0 + TICK_SIZE;
+        for text in wrap(&self.x.label, LABEL_SIZE, frame_width) {
+            y += LINE;
+            words(svg, &text, left + 0.5 * frame_width, y, LABEL_SIZE, "middle");
+        }
+        for row in self.legend_rows(frame_width) {
+            y += LEGEND_ROW;
+            let mut x = left;
+            for layer in row {
+                draw_swatch(svg, layer, x, y - 0.36 * TICK_SIZE);
+                words(svg, name(layer), x + SWATCH + 7.0, y, TICK_SIZE, "start");
+                x += entry_width(layer);
+            }
+        }
+    }
+
+    /// The layers with a name, in rows that fit under the frame.
+    fn legend_rows(&self, frame_width: f64) -> Vec<Vec<&Layer>> {
+        let mut rows: Vec<Vec<&Layer>> = Vec::new();
+        let mut room = 0.0;
+        for layer in self.layers.iter().filter(|layer| !name(layer).is_empty()) {
+            let entry = entry_width(layer);
+            if rows.is_empty() || entry > room {
+                rows.push(Vec::new());
+                // the last entry of a row may use its own distance to the next
+                room = frame_width + 22.0;
+            }
+            room -= entry;
+            rows.last_mut().expect("a row was pushed").push(layer);
+        }
+        rows
+    }
+}
+
+fn name(layer: &Layer) -> &str {
+    match layer {
+        Layer::Curve { name, .. } | Layer::Band { name, .. } | Layer::Marks { name, .. } => name,
+        Layer::Density(_) | Layer::Level { .. } | Layer::Flag { .. } => "",
+    }
+}
+
+fn entry_width(layer: &Layer) -> f64 {
+    SWATCH + 7.0 + width(name(layer), TICK_SIZE) + 22.0
+}
+
+fn draw_swatch(svg: &mut String, layer: &Layer, x: f64, middle: f64) {
+    match layer {
+        Layer::Curve { stroke, .. } => {
+            let stroke = Stroke {
+                width: stroke.width.max(1.6),
+                ..*stroke
+            };
+            let _ = writeln!(
+                svg,
+                "<path d=\"M{x:.1} {middle:.1}L{:.1} {middle:.1}\" {}/>",
+                x + SWATCH,
+                stroke.attributes()
+            );
+        }
+        Layer::Band { colour, .. } => {
+            let _ = writeln!(
+                svg,
+                "<rect x=\"{x:.1}\" y=\"{:.1}\" width=\"{SWATCH}\" height=\"12\" fill=\"{}\" fill-opacity=\"0.3\"/>",
+                middle - 6.0,
+                hex(*colour)
+            );
+        }
+        Layer::Marks { colour, radius, .. } => {
+            let _ = writeln!(
+                svg,
+                "<circle cx=\"{:.1}\" cy=\"{middle:.1}\" r=\"{}\" fill=\"{}\"/>",
+                x + 0.5 * SWATCH,
+                radius.max(3.0),
+                hex(*colour)
+            );
+        }
+        Layer::Density(_) | Layer::Level { .. } | Layer::Flag { .. } => {}
+    }
+}
+
+/// Moves and lines through places; one that is not finite parts the line.
+pub(super) fn path(places: impl Iterator<Item = (f64, f64)>) -> String {
+    let mut path = String::new();
+    let mut is_drawing = false;
+    for (x, y) in places {
+        if !(x.is_finite() && y.is_finite()) {
+            is_drawing = false;
+            continue;
+        }
+        // far outside the frame coordinates would lose their digits
+        let (x, y) = (x.clamp(-1e5, 1e5), y.clamp(-1e5, 1e5));
+        let _ = write!(path, "{}{x:.2} {y:.2}", if is_drawing { 'L' } else { 'M' });
+        is_drawing = true;
+    }
+    path
+}
+
+/// As many ticks as their labels leave room for.
+fn x_ticks(scale: &Scale, length: f64) -> Vec<Tick> {
+    let fits = |ticks: &Vec<Tick>| {
+        let widest = widest(ticks.iter().map(|tick| tick.label.as_str()), TICK_SIZE);
+        ticks.len() as f64 * (widest + 22.0) <= length + widest
+    };
+    (2..=(length / 60.0) as usize)
+        .rev()
+        .map(|most| ticks(scale.low, scale.high, most))
+        .find(fits)
+        .unwrap_or_else(|| ticks(scale.low, scale.high, 2))
+}
+
+fn y_ticks(scale: &Scale, length: f64) -> Vec<Tick> {
+    ticks(scale.low, scale.high, ((length / 48.0) as usize).max(2))
+}

@@ -1,0 +1,143 @@
+//! A sheet: panels beside and below each other above a caption.
+//!
+//! Owns where panels stand; what they hold is [`super::panel`]'s.
+
+use super::figure::{Figure, FigureError};
+use super::panel::{Panel, Room};
+use super::svg::words;
+use super::text::{self, wrap};
+
+/// Panels in rows of `columns`, their frames all of one size.
+#[derive(Clone, Debug)]
+pub struct Sheet {
+    pub panels: Vec<Panel>,
+    pub columns: usize,
+    /// Width and height of a frame in pixels.
+    pub frame: [u32; 2],
+    /// Paragraphs below the panels.
+    pub caption: Vec<String>,
+}
+
+/// The frame of a picture of one panel.
+pub const SINGLE: [u32; 2] = [900, 560];
+/// The frames of a picture with panels beside each other.
+pub const BESIDE: [u32; 2] = [620, 400];
+
+const MARGIN: f64 = 16.0;
+const CAPTION_SIZE: f64 = 14.0;
+
+impl Sheet {
+    /// One panel alone.
+    pub fn single(panel: Panel, caption: Vec<String>) -> Self {
+        Self {
+            panels: vec![panel],
+            columns: 1,
+            frame: SINGLE,
+            caption,
+        }
+    }
+
+    /// # Errors
+    /// [`FigureError::Drawing`] if a density cannot be encoded.
+    ///
+    /// # Panics
+    /// If there is no panel, or no column.
+    pub fn draw(&self) -> Result<Figure, FigureError> {
+        let frame = self.frame.map(f64::from);
+        let rooms: Vec<Room> = self.panels.iter().map(|panel| panel.room(frame)).collect();
+        let columns = self.columns.min(self.panels.len());
+        let widest = |side: fn(&Room) -> f64, column: usize| {
+            let of_column = rooms.iter().skip(column).step_by(columns);
+            of_column.map(side).fold(0.0, f64::max).ceil()
+        };
+        // frames stand below each other, so that equal axes can be compared
+        let mut lefts = Vec::new();
+        let mut right = MARGIN;
+        for column in 0..columns {
+            let left = right + widest(|room| room.left, column);
+            lefts.push(left);
+            right = left + frame[0] + widest(|room| room.right, column);
+        }
+        let page_width = right + MARGIN;
+
+        let mut svg = String::new();
+        let mut y = MARGIN;
+        let mut id = 0;
+        for (panels, rooms) in self.panels.chunks(columns).zip(rooms.chunks(columns)) {
+            let top = y + rooms.iter().map(|room| room.top).fold(0.0, f64::max).ceil();
+            for (panel, left) in panels.iter().zip(&lefts) {
+                panel.draw(&mut svg, [*left, top, frame[0], frame[1]], id)?;
+                id += 1;
+            }
+            y = top + frame[1] + rooms.iter().map(|room| room.bottom).fold(0.0, f64::max).ceil();
+        }
+        for paragraph in &self.caption {
+            for line in wrap(paragraph, CAPTION_SIZE, page_width - 2.0 * MARGIN) {
+                y += 1.4 * CAPTION_SIZE;
+                words(&mut svg, &line, MARGIN, y, CAPTION_SIZE, "start");
+            }
+        }
+        let (page_width, page_height) = (page_width.ceil() as u32, (y + MARGIN).ceil() as u32);
+        let background = format!("<rect width=\"{page_width}\" height=\"{page_height}\" fill=\"#ffffff\"/>\n");
+        Ok(Figure {
+            svg: text::document(page_width, page_height, &(background + &svg)),
+            width: page_width,
+            height: page_height,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::colour;
+    use super::super::density::Density;
+    use super::super::panel::{Layer, Scale, Stroke};
+    use super::*;
+
+    fn panel(title: &str) -> Panel {
+        let points: Vec<[f64; 2]> = (0..100)
+            .map(|k| [f64::from(k) * 0.1, (f64::from(k) * 0.1).sin()])
+            .collect();
+        Panel {
+            title: title.to_owned(),
+            x: Scale::new("time τ", 0.0, 10.0),
+            y: Scale::around("angle x", points.iter().map(|point| point[1])),
+            layers: vec![
+                Layer::Density(Density::new(points.iter().copied(), [0.0, 10.0], [-1.0, 1.0], [62, 40])),
+                Layer::Curve {
+                    name: "a curve".to_owned(),
+                    points,
+                    stroke: Stroke::dashed(colour::PERIODS[4], 1.5),
+                },
+            ],
+        }
+    }
+
+    /// Every element lies on the page, and none on another panel's frame.
+    #[test]
+    fn nothing_is_clipped_at_the_page_s_edge() {
+        let sheet = Sheet {
+            panels: vec![panel("(a)"), panel("(b)"), panel("(c)")],
+            columns: 2,
+            frame: BESIDE,
+            caption: vec!["A caption of several words that is long enough to be wrapped. ".repeat(8)],
+        };
+        let figure = sheet.draw().unwrap();
+        let tree = resvg::usvg::Tree::from_str(&figure.svg, text::options()).unwrap();
+        let bounds = tree.root().abs_layer_bounding_box();
+        assert!(bounds.left() >= 0.0 && bounds.top() >= 0.0);
+        assert!(bounds.right() <= figure.width as f32 && bounds.bottom() <= figure.height as f32);
+        let pixels = figure.render().unwrap();
+        let inked = |x: u32, y: u32| pixels.pixel(x, y).unwrap().red() < 128;
+        let edges = (0..figure.height).any(|y| inked(0, y) || inked(figure.width - 1, y));
+        assert!(!edges && (0..figure.width).any(|x| (0..figure.height).any(|y| inked(x, y))));
+    }
+
+    #[test]
+    fn scales_have_an_extent() {
+        for values in [vec![], vec![f64::NAN], vec![2.0], vec![0.0, 0.0], vec![1.0, 3.0]] {
+            let scale = Scale::around("", values.iter().copied());
+            assert!(scale.low < scale.high, "{values:?}");
+        }
+    }
+}

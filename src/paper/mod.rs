@@ -1,0 +1,120 @@
+//! The paper's figures and numbers, computed anew.
+//!
+//! Owns which figures there are, with the paper's axes and parameters, and what the paper says of them; computes through
+//! [`crate::analysis`] and draws through [`crate::output`]. What the paper says is held beside what is computed, and never
+//! enters it.
+
+mod files;
+mod melnikov;
+mod reduced;
+pub mod table;
+
+use std::ops::ControlFlow;
+
+use serde::{Deserialize, Serialize};
+
+pub use self::files::{Files, FilesError, Kept};
+use self::table::Row;
+use crate::analysis::melnikov::CurveError;
+use crate::backend::BackendError;
+use crate::model::melnikov::MelnikovError;
+use crate::output::figure::FigureError;
+use crate::output::sheet::Sheet;
+
+/// How much is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Effort {
+    /// Figures for print: a minute or two.
+    Full,
+    /// The same rows and pictures from coarse scans: seconds.
+    Quick,
+}
+
+/// A figure of the paper.
+pub struct Figure {
+    /// Its number there.
+    pub id: &'static str,
+    pub title: &'static str,
+    /// Raised when what it computes changes, so that older results are not taken for current.
+    revision: u32,
+    compute: fn(Effort, &mut Observer<'_>) -> Result<Option<Outcome>, PaperError>,
+}
+
+/// Heard after each piece of work; may break it off.
+pub type Observer<'a> = dyn FnMut() -> ControlFlow<()> + 'a;
+
+/// What a figure came out as.
+pub struct Outcome {
+    pub sheet: Sheet,
+    /// Rows of the table of what the paper says.
+    pub rows: Vec<Row>,
+    /// The data of each panel.
+    pub data: Vec<Data>,
+}
+
+/// The data of a panel, for a table of comma-separated values.
+pub struct Data {
+    /// The panel's letter.
+    pub panel: String,
+    pub columns: Vec<String>,
+    pub rows: Vec<Vec<f64>>,
+}
+
+/// The paper's figures in its order. One is added by an entry here.
+pub const FIGURES: &[Figure] = &[
+    Figure {
+        id: "3.1",
+        title: "Bifurcation diagrams and Lyapunov exponents without damping",
+        revision: 1,
+        compute: reduced::figure_3_1,
+    },
+    Figure {
+        id: "3.2",
+        title: "Bifurcation diagrams and Lyapunov exponents with damping",
+        revision: 1,
+        compute: reduced::figure_3_2,
+    },
+    Figure {
+        id: "4.1",
+        title: "Mel'nikov's function",
+        revision: 1,
+        compute: melnikov::figure_4_1,
+    },
+];
+
+impl Figure {
+    /// # Errors
+    /// [`PaperError::Unknown`] with the figures that there are.
+    pub fn from_id(id: &str) -> Result<&'static Self, PaperError> {
+        FIGURES
+            .iter()
+            .find(|figure| figure.id == id)
+            .ok_or_else(|| PaperError::Unknown { id: id.to_owned() })
+    }
+
+    /// Computes the figure; None if the observer broke it off.
+    ///
+    /// # Errors
+    /// If the CPU backend fails, or the figure cannot be drawn.
+    pub fn compute(&self, effort: Effort, observer: &mut Observer<'_>) -> Result<Option<Outcome>, PaperError> {
+        (self.compute)(effort, observer)
+    }
+}
+
+#[derive(Debug, thiserror::Error)]
+pub enum PaperError {
+    #[error("there is no figure `{id}`: {} can be computed", FIGURES.iter().map(|figure| figure.id).collect::<Vec<_>>().join(", "))]
+    Unknown { id: String },
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    #[error(transparent)]
+    Melnikov(#[from] MelnikovError),
+    #[error(transparent)]
+    Curve(#[from] CurveError),
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+}
+
+#[cfg(test)]
+mod tests;

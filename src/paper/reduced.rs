@@ -1,0 +1,416 @@
+//! Figures 3.1 and 3.2: bifurcation diagrams, exponents and the onset of chaos at contact pressure 1.
+//!
+//! Owns the panels' axes, the numerical settings and the paper's statements; the analyses are [`crate::analysis`]'s.
+
+use super::table::{Row, Value};
+use super::{Data, Effort, Observer, Outcome, PaperError};
+use crate::analysis::bifurcation::{Columns, diagram};
+use crate::analysis::exponents::{Line, from, lines};
+use crate::analysis::onset::{Definition, Found, Onset, onset, scan};
+use crate::backend::cpu::CpuBackend;
+use crate::dynamics::spectrum::lyapunov_spectrum;
+use crate::experiment::{Precision, Settings};
+use crate::grid::Axis;
+use crate::output::charts::{self, Component};
+use crate::output::panel::Panel;
+use crate::output::sheet::{BESIDE, Sheet};
+use crate::output::{PROGRAM, caption};
+use crate::parameters::{Parameter, ParameterSet};
+use crate::sweep::Backends;
+use crate::sweep::initial_states;
+
+/// The paper's measured window begins at tau = 1200, after 382 forcing periods, and is 100 long.
+const TRANSIENT: u32 = 382;
+const MEASURED: u32 = 100;
+/// The paper does not say where its orbits begin.
+const START: [f64; 2] = [1.0, 0.0];
+/// Initial states where none is named.
+const STARTS: [[f64; 2]; 3] = [[0.1, 0.0], [1.0, 0.0], [-1.0, 0.0]];
+const ONSET_SPACING: f64 = 0.0025;
+
+/// The paper's axes of zeta_k.
+const WIDE: [f64; 2] = [0.0, 12.0];
+const NARROW: [f64; 2] = [3.5, 4.0];
+
+/// What an effort means in numbers.
+struct Work {
+    /// Values of zeta_k in a bifurcation diagram: two for each column of pixels.
+    columns: usize,
+    /// Stroboscopic states for each.
+    states: u32,
+    /// Values of zeta_k in a panel of exponents.
+    exponents: usize,
+    /// Values of the coarse scan for an onset over the wide axis.
+    coarse: usize,
+    /// Initial states tried in all where the paper's onset is not reproduced.
+    tried: u32,
+}
+
+impl Work {
+    fn new(effort: Effort) -> Self {
+        match effort {
+            Effort::Full => Self {
+                columns: 2 * BESIDE[0] as usize,
+                states: 200,
+                exponents: 1201,
+                coarse: 601,
+                tried: 24,
+            },
+            Effort::Quick => Self {
+                columns: BESIDE[0] as usize / 4,
+                states: 48,
+                exponents: 121,
+                coarse: 241,
+                tried: 8,
+            },
+        }
+    }
+}
+
+fn definition() -> Definition {
+    Definition::new(ONSET_SPACING, &Settings::default())
+}
+
+fn axis([start, stop]: [f64; 2], count: usize) -> Axis {
+    Axis {
+        parameter: Parameter::ZetaK,
+        start,
+        stop,
+        count,
+    }
+}
+
+fn damped(h1: f64) -> ParameterSet {
+    ParameterSet::default().with(Parameter::H1, h1)
+}
+
+fn backends() -> Backends {
+    Backends::new(Box::new(CpuBackend::new(Precision::F64)), None)
+}
+
+/// One panel with its data.
+type Drawn = (Panel, Data);
+
+fn bifurcation_panel(
+    work: &Work,
+    letter: &str,
+    h1: f64,
+    range: [f64; 2],
+    limits: [f64; 2],
+    observer: &mut Observer<'_>,
+) -> Result<Option<Drawn>, PaperError> {
+    let settings = Settings {
+        transient_periods: TRANSIENT,
+        periods: work.states,
+        ..Settings::default()
+    };
+    let axis = axis(range, work.columns);
+    let mut backend = CpuBackend::new(Precision::F64);
+    let progress = &mut |_: u64| observer();
+    let found = diagram(
+        &mut backend,
+        &settings,
+        &damped(h1),
+        &axis,
+        &[START],
+        Columns::Fresh,
+        progress,
+    )?;
+    Ok(found.map(|diagram| {
+        let title = format!("({letter}) {}", caption::assignment(Parameter::H1, h1));
+        let rows = diagram.columns.iter().enumerate().flat_map(|(index, column)| {
+            let value = axis.value(index);
+            column.iter().map(move |&[x, y]| vec![value, x, y])
+        });
+        let data = Data {
+            panel: letter.to_owned(),
+            columns: ["zeta_k", "x", "y"].map(str::to_owned).to_vec(),
+            rows: rows.collect(),
+        };
+        (
+            charts::bifurcation(&title, &diagram, Component::X, Some(limits), BESIDE),
+            data,
+        )
+    }))
+}
+
+fn exponents_panel(
+    work: &Work,
+    letter: &str,
+    h1: f64,
+    range: [f64; 2],
+    limits: [f64; 2],
+    onset: Option<&Found>,
+    observer: &mut Observer<'_>,
+) -> Result<Option<Drawn>, PaperError> {
+    let settings = Settings {
+        transient_periods: TRANSIENT,
+        periods: MEASURED,
+        ..Settings::default()
+    };
+    let axis = axis(range, work.exponents);
+    let observer = &mut |_: crate::sweep::Event<'_>| observer();
+    let found = lines(&mut backends(), &settings, &damped(h1), &axis, &[START], observer)?;
+    Ok(found.map(|lines| {
+        let line = &lines[0];
+        let title = format!("({letter}) {}", caption::assignment(Parameter::H1, h1));
+        let rows = line.measurements.iter().enumerate().map(|(index, m)| {
+            vec![
+                axis.value(index),
+                m.lyapunov,
+                m.lyapunov_error,
+                m.lyapunov_second,
+                m.lyapunov_second_error,
+                0.0,
+            ]
+        });
+        let columns = [
+            "zeta_k",
+            "lambda_1",
+            "lambda_1_error",
+            "lambda_2",
+            "lambda_2_error",
+            "lambda_3",
+        ];
+        let data = Data {
+            panel: letter.to_owned(),
+            columns: columns.map(str::to_owned).to_vec(),
+            rows: rows.collect(),
+        };
+        (charts::exponents(&title, line, onset, Some(limits)), data)
+    }))
+}
+
+/// The onset over the paper's wide axis, from each of the initial states.
+fn wide_onset(
+    work: &Work,
+    h1: f64,
+    starts: &[[f64; 2]],
+    observer: &mut Observer<'_>,
+) -> Result<Option<Option<Found>>, PaperError> {
+    let mut backends = backends();
+    let observer = &mut |_: crate::sweep::Event<'_>| observer();
+    let at = damped(h1);
+    let axis = axis(WIDE, work.coarse);
+    let settings = Settings::default();
+    let Some(coarse) = lines(&mut backends, &settings, &at, &axis, starts, observer)? else {
+        return Ok(None);
+    };
+    let coarse: &[Line] = &coarse;
+    Ok(
+        onset(&mut backends, &definition(), &at, coarse, observer)?.map(|onset| match onset {
+            Onset::Found(found) => Some(found),
+            Onset::BelowAxis | Onset::Never => None,
+        }),
+    )
+}
+
+fn onset_value(found: Option<&Found>) -> Value {
+    found.map_or(Value::Nothing, |found| Value::uncertain(found.value, found.spacing, 4))
+}
+
+fn from_words(found: Option<&Found>) -> String {
+    found.map_or_else(String::new, |found| {
+        format!("from (x, y) = ({}, {})", found.start[0], found.start[1])
+    })
+}
+
+/// Unwraps a piece of work, or returns None from the figure if it was broken off.
+macro_rules! finished {
+    ($work:expr) => {
+        match $work? {
+            Some(done) => done,
+            None => return Ok(None),
+        }
+    };
+}
+
+pub fn figure_3_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<Outcome>, PaperError> {
+    let work = Work::new(effort);
+    let found = finished!(wide_onset(&work, 0.0, &STARTS, observer));
+    let drawn = [
+        finished!(bifurcation_panel(&work, "a", 0.0, WIDE, [-2.7, 1.4], observer)),
+        finished!(bifurcation_panel(&work, "b", 0.0, NARROW, [-0.9, 1.1], observer)),
+        finished!(exponents_panel(
+            &work,
+            "c",
+            0.0,
+            WIDE,
+            [-2.0, 0.4],
+            found.as_ref(),
+            observer
+        )),
+        finished!(exponents_panel(
+            &work,
+            "d",
+            0.0,
+            NARROW,
+            [-0.9, 0.25],
+            found.as_ref(),
+            observer
+        )),
+    ];
+    let computed = onset_value(found.as_ref());
+    let rows = vec![
+        Row::new(
+            "onset of chaos in zeta_k, h1 = 0",
+            Value::number(3.78, 2),
+            computed.clone(),
+            &from_words(found.as_ref()),
+        ),
+        Row::new(
+            "the same, as one of the panels is marked",
+            Value::number(3.72, 2),
+            computed,
+            "the paper's text and its other panel say 3.78",
+        ),
+    ];
+    Ok(Some(outcome(&work, &damped(0.0), drawn, rows)))
+}
+
+pub fn figure_3_2(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<Outcome>, PaperError> {
+    let work = Work::new(effort);
+    let half = finished!(wide_onset(&work, 0.5, &STARTS, observer));
+    let other = finished!(wide_onset(&work, 0.5, &STARTS[..1], observer));
+    let one = finished!(wide_onset(&work, 1.0, &STARTS, observer));
+    let tried = finished!(below(&work, 1.0, one.as_ref(), observer));
+    let x = [-2.7, 1.4];
+    let drawn = [
+        finished!(bifurcation_panel(&work, "a", 0.5, WIDE, x, observer)),
+        finished!(bifurcation_panel(&work, "b", 1.0, WIDE, x, observer)),
+        finished!(exponents_panel(
+            &work,
+            "c",
+            0.5,
+            WIDE,
+            [-2.0, 0.4],
+            half.as_ref(),
+            observer
+        )),
+        finished!(exponents_panel(
+            &work,
+            "d",
+            1.0,
+            WIDE,
+            [-2.0, 0.4],
+            one.as_ref(),
+            observer
+        )),
+    ];
+    let rows = vec![
+        Row::new(
+            "onset of chaos in zeta_k, h1 = 0.5",
+            Value::number(3.8, 1),
+            onset_value(half.as_ref()),
+            &from_words(half.as_ref()),
+        ),
+        Row::new(
+            "the same from (x, y) = (0.1, 0)",
+            Value::Nothing,
+            onset_value(other.as_ref()),
+            "the paper names no initial state; attractors coexist",
+        ),
+        Row::new(
+            "onset of chaos in zeta_k, h1 = 1",
+            Value::number(4.25, 2),
+            onset_value(one.as_ref()),
+            &tried,
+        ),
+        trivial_exponent(effort),
+    ];
+    Ok(Some(outcome(&work, &damped(0.0), drawn, rows)))
+}
+
+/// Below the onset, from the paper's value on and a little under it: whether any of many initial states leads to chaos there.
+fn below(
+    work: &Work,
+    h1: f64,
+    found: Option<&Found>,
+    observer: &mut Observer<'_>,
+) -> Result<Option<String>, PaperError> {
+    let Some(found) = found else {
+        return Ok(Some("not reproduced".to_owned()));
+    };
+    const DEPTH: u32 = 40;
+    let mut starts = STARTS.to_vec();
+    let settings = Settings {
+        initial_states: work.tried - STARTS.len() as u32 + 1,
+        ..Settings::default()
+    };
+    starts.extend(initial_states::offsets(&settings));
+    let first = found.value - f64::from(DEPTH) * ONSET_SPACING;
+    let axis = axis([first, found.value - ONSET_SPACING], DEPTH as usize);
+    let observer = &mut |_: crate::sweep::Event<'_>| observer();
+    let scanned = scan(&mut backends(), &definition(), &damped(h1), &axis, &starts, observer)?;
+    Ok(scanned.map(|chaos| {
+        let count = starts.len();
+        match chaos {
+            None => format!(
+                "not reproduced by the paper's equations: none of {count} initial states leads to chaos at any of the \
+                 {DEPTH} values from {first:.4} to {:.4}",
+                axis.stop
+            ),
+            Some(chaos) => format!(
+                "{}; of {count} initial states the first to lead to chaos, ({:.3}, {:.3}), does so at {:.4}",
+                from_words(Some(found)),
+                chaos.start[0],
+                chaos.start[1],
+                chaos.value
+            ),
+        }
+    }))
+}
+
+/// The paper notes that one of the three exponents is always zero: the largest that the third vector gives at some points,
+/// by its own procedure.
+fn trivial_exponent(effort: Effort) -> Row {
+    let periods = match effort {
+        Effort::Full => MEASURED,
+        Effort::Quick => 16,
+    };
+    let settings = Settings {
+        transient_periods: TRANSIENT,
+        periods,
+        ..Settings::default()
+    };
+    let largest = [1.0, 3.5, 3.9, 6.0, 9.0]
+        .into_iter()
+        .filter_map(|zeta_k| {
+            let point = from(&damped(0.5).with(Parameter::ZetaK, zeta_k), START);
+            lyapunov_spectrum(&point, &settings)
+        })
+        .map(|[_, _, third]| third.abs())
+        .fold(0.0, f64::max);
+    Row::new(
+        "one exponent is always zero: greatest of its absolute values at five zeta_k, h1 = 0.5",
+        Value::number(0.0, 0),
+        Value::number(largest, 6),
+        "by the paper's procedure with three vectors",
+    )
+}
+
+fn outcome(work: &Work, at: &ParameterSet, drawn: [Drawn; 4], rows: Vec<Row>) -> Outcome {
+    let (panels, data): (Vec<Panel>, Vec<Data>) = drawn.into_iter().unzip();
+    let outside: usize = panels.iter().map(charts::outside).sum();
+    let mut numerics = format!(
+        "All orbits from (x, y) = {}; {TRANSIENT} forcing periods of transient. Diagrams: {} states at each of {} values. \
+         Exponents: {MEASURED} measured periods at each of {} values. {}. Onsets: the first of {} initial states. As in Awrejcewicz and Pyryev (2006). ",
+        charts::start(START),
+        work.states,
+        work.columns,
+        work.exponents,
+        caption::scheme(&Settings::default()),
+        STARTS.len(),
+    );
+    if outside > 0 {
+        numerics += &format!("{outside} states lie outside the frames. ");
+    }
+    let shown = [Parameter::ZetaK, Parameter::H1, Parameter::X0, Parameter::Y0];
+    let sheet = Sheet {
+        panels,
+        columns: 2,
+        frame: BESIDE,
+        caption: vec![charts::fixed(at, &shown), format!("{numerics}{PROGRAM}.")],
+    };
+    Outcome { sheet, rows, data }
+}

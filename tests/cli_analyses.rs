@@ -1,0 +1,315 @@
+//! The commands for analyses from outside: what is typed, what comes out, and with which exit code.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use assert_cmd::cargo::cargo_bin;
+use serde_json::Value;
+use tempfile::TempDir;
+
+fn tribochaos(folder: &Path, args: &[&str]) -> Output {
+    Command::new(cargo_bin!("tribochaos"))
+        .current_dir(folder)
+        .args(args)
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+#[track_caller]
+fn assert_refused(folder: &Path, args: &[&str], reason: &str) {
+    let output = tribochaos(folder, args);
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{args:?}: {stderr}");
+    assert!(stderr.contains(reason), "{args:?}: {reason} is not in: {stderr}");
+}
+
+#[track_caller]
+fn run(folder: &Path, args: &[&str]) -> String {
+    let output = tribochaos(folder, args);
+    assert!(output.status.success(), "{args:?}: {}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+/// The object that a command prints, after checking that the files it names are there.
+#[track_caller]
+fn object(folder: &Path, args: &[&str]) -> Value {
+    let object: Value = serde_json::from_str(&run(folder, args)).unwrap();
+    let files = object["files"].as_array().unwrap();
+    assert!(!files.is_empty());
+    for file in files {
+        assert!(folder.join(file.as_str().unwrap()).is_file(), "{file}");
+    }
+    object
+}
+
+/// Names and rows of a table.
+fn table(path: &Path) -> (String, Vec<Vec<f64>>) {
+    let text = fs::read_to_string(path).unwrap();
+    let mut lines = text.lines().skip_while(|line| line.starts_with('#'));
+    let names = lines.next().unwrap().to_owned();
+    let number = |field: &str| field.parse().unwrap_or(f64::NAN);
+    (names, lines.map(|line| line.split(',').map(number).collect()).collect())
+}
+
+#[test]
+fn melnikov_gives_the_threshold_and_the_extremes() {
+    let folder = TempDir::new().unwrap();
+    let found = object(folder.path(), &["melnikov", "--set", "h1=0.5", "--json"]);
+    assert!((found["threshold"].as_f64().unwrap() - 3.6933).abs() < 6e-5);
+    assert_eq!(found["threshold_parameter"], "zeta_k");
+    assert_eq!(found["changes_sign"], true);
+    let (names, rows) = table(&folder.path().join("outputs/melnikov.csv"));
+    assert_eq!(names, "zeta_k,tau_0,melnikov");
+    let least = rows.iter().map(|row| row[2]).fold(f64::INFINITY, f64::min);
+    assert!((least - found["minimum"].as_f64().unwrap()).abs() < 1e-3);
+
+    let args = [
+        "melnikov",
+        "--at",
+        "zeta_k=3.2,3.81",
+        "--set",
+        "h1=0",
+        "--threshold",
+        "zeta_k=3:5",
+        "--over",
+        "h1=0:1:3",
+        "--out",
+        "two",
+    ];
+    let said = run(folder.path(), &args);
+    assert!(
+        said.contains("zeta_k = 3.304714") && said.contains("yes: chaos may occur"),
+        "{said}"
+    );
+    let (names, rows) = table(&folder.path().join("two-threshold.csv"));
+    assert_eq!(names, "h1,zeta_k_threshold");
+    for (row, expected) in rows.iter().zip([3.3047, 3.6933, 3.9609]) {
+        assert!((row[1] - expected).abs() < 6e-5);
+    }
+}
+
+#[test]
+fn melnikov_refuses_what_has_no_meaning() {
+    let folder = TempDir::new().unwrap();
+    for (args, reason) in [
+        (&["--set", "b=-1"][..], "b > 0"),
+        (&["--set", "gamma=1.87"], "set gamma = 0 and k_w = 0"),
+        (&["--threshold", "epsilon_0"], "does not depend on epsilon_0"),
+        (&["--threshold", "zeta_k=2:1"], "lower one first"),
+        (&["--over", "zeta_k=0:1:3"], "over zeta_k itself"),
+        (&["--at", "zeta_k="], "V1,V2"),
+        (&["--at", "zeta_k=1,2", "--set", "zeta_k=3"], "leave one of the two out"),
+        (&["--tau", "2:1"], "lower end first"),
+        (&["--out", "folder/"], "names no file"),
+    ] {
+        assert_refused(folder.path(), &[&["melnikov"], args].concat(), reason);
+    }
+    assert_eq!(
+        fs::read_dir(folder.path()).unwrap().count(),
+        0,
+        "nothing is left behind"
+    );
+}
+
+#[test]
+fn phase_draws_orbits_and_does_not_overwrite_others() {
+    let folder = TempDir::new().unwrap();
+    let args = ["phase", "--at", "zeta_k=3.5,3.9", "--transient-periods", "60"];
+    run(folder.path(), &args);
+    let (names, rows) = table(&folder.path().join("outputs/phase.csv"));
+    assert_eq!(names, "x0,y0,zeta_k,tau,x,y,stroboscopic");
+    assert_eq!(rows.iter().filter(|row| row[6] == 1.0).count(), 2 * 33);
+    let svg = fs::read_to_string(folder.path().join("outputs/phase.svg")).unwrap();
+    assert!(svg.contains("<svg") && svg.contains("3.9"));
+    // the same again is allowed, another one is not
+    run(folder.path(), &args);
+    let other = ["phase", "--transient-periods", "60"];
+    assert_refused(folder.path(), &other, "--force");
+    run(folder.path(), &[&other[..], &["--force"]].concat());
+    for (args, reason) in [
+        (&["--start", "1"][..], "write X,Y"),
+        (&["--start", "1,2000"], "out of range"),
+        (&["--start", "1,0", "--set", "x0=1"], "leave x0, y0"),
+        (&["--initial-states", "100"], "too many for one picture"),
+        (&["--periods", "2"], "from 16"),
+        (&["--set", "gamma=1.87"], "set gamma = 0 and k_w = 0"),
+    ] {
+        assert_refused(folder.path(), &[&["phase", "--out", "p"], args].concat(), reason);
+    }
+}
+
+#[test]
+fn poincare_counts_its_states() {
+    let folder = TempDir::new().unwrap();
+    let args = ["poincare", "--points", "5000", "--transient-periods", "120", "--json"];
+    let found = object(folder.path(), &args);
+    assert_eq!(
+        (found["points"].as_u64(), found["runaways"].as_u64()),
+        (Some(5000), Some(0))
+    );
+    assert!(found["pixels"].as_u64().unwrap() > 500);
+    assert_eq!(table(&folder.path().join("outputs/poincare.csv")).1.len(), 5000);
+    for (args, reason) in [
+        (&["--periods", "100"][..], "leave --periods out"),
+        (&["--points", "0"], "0"),
+        (&["--window", "1:0,0:1"], "no extent"),
+        (&["--set", "k_w=0.01"], "set k_w = 0"),
+    ] {
+        assert_refused(folder.path(), &[&["poincare", "--out", "p"], args].concat(), reason);
+    }
+    // nothing to draw is a failure of the run
+    let runaway = tribochaos(
+        folder.path(),
+        &["poincare", "--set", "b=-1", "--points", "1000", "--out", "r"],
+    );
+    assert_eq!(runaway.status.code(), Some(1));
+    assert!(text(&runaway.stderr).contains("ran away"));
+}
+
+#[test]
+fn bifurcation_shows_states_over_an_axis() {
+    let folder = TempDir::new().unwrap();
+    let small = [
+        "--x",
+        "zeta_k=3.4:3.6:9",
+        "--transient-periods",
+        "80",
+        "--periods",
+        "16",
+    ];
+    let args = [
+        &["bifurcation", "--json", "--start", "0.1,0", "--start", "-1,0"],
+        &small[..],
+    ]
+    .concat();
+    let found = object(folder.path(), &args);
+    assert_eq!(found["states"], 9 * 2 * 16);
+    let (names, rows) = table(&folder.path().join("outputs/bifurcation.csv"));
+    assert_eq!((names.as_str(), rows.len()), ("zeta_k,x,y", 9 * 2 * 16));
+    let followed = [
+        &["bifurcation", "--follow", "down", "--show", "y", "--out", "down"],
+        &small[..],
+    ]
+    .concat();
+    assert!(run(folder.path(), &followed).contains("144 states over 9 values"));
+    for (args, reason) in [
+        (&["--follow", "sideways"][..], "up and down"),
+        (&["--x", "x0=0:1:5"], "--start"),
+        (&["--x", "zeta_k=0:12:1000000"], "too many"),
+        (
+            &["--x", "zeta_k=3:4:9", "--set", "zeta_k=2"],
+            "leave one of the two out",
+        ),
+        (&["--limits", "1:0"], "lower one first"),
+        (&["--show", "z"], "z"),
+        (&["--set", "k_w=0.01"], "set k_w = 0"),
+        (&["--follow", "up", "--set", "gamma=1.87"], "not the heat of the shaft"),
+    ] {
+        assert_refused(folder.path(), &[&["bifurcation", "--out", "b"], args].concat(), reason);
+    }
+}
+
+#[test]
+fn lyapunov_finds_the_onset_and_names_the_initial_state() {
+    let folder = TempDir::new().unwrap();
+    let args = ["lyapunov", "--x", "zeta_k=3.6:4:21", "--json"];
+    let found = object(folder.path(), &args);
+    assert!((found["onset"]["value"].as_f64().unwrap() - 3.8025).abs() < 0.0025 + 1e-9);
+    assert_eq!(found["onset"]["uncertainty"], 0.0025);
+    assert_ne!(found["onset"]["initial_state"][0], 0.1);
+    let (names, rows) = table(&folder.path().join("outputs/lyapunov.csv"));
+    assert!(names.starts_with("x0,y0,zeta_k,lambda_1,lambda_1_error,lambda_2,lambda_2_error,lambda_3"));
+    assert_eq!(rows.len(), 3 * 21);
+    assert!(
+        rows.iter().all(|row| (row[3] + row[5] - row[8]).abs() < 1e-3),
+        "sum = divergence"
+    );
+
+    // without chaos on the axis there is none, with chaos everywhere it lies below
+    for (x, said) in [
+        ("zeta_k=1:2:5", "none of the initial states"),
+        ("zeta_k=4.5:4.6:3", "below the axis"),
+    ] {
+        let args = ["lyapunov", "--x", x, "--start", "0.1,0", "--out", x];
+        assert!(run(folder.path(), &args).contains(said));
+    }
+    let worn = [
+        "lyapunov",
+        "--set",
+        "k_w=0.01",
+        "--x",
+        "zeta_k=3.5:3.9:2",
+        "--periods",
+        "16",
+        "--out",
+        "w",
+    ];
+    assert!(run(folder.path(), &worn).contains("not looked for"));
+    for (args, reason) in [
+        (&["--onset-spacing", "0"][..], "must be positive"),
+        (
+            &["--x", "zeta_k=3:4:5", "--onset-spacing", "1"],
+            "no more than the axis' step",
+        ),
+        (&["--x", "y0=0:1:5"], "--start"),
+        (&["--limits", "1:0"], "lower one first"),
+    ] {
+        assert_refused(folder.path(), &[&["lyapunov", "--out", "l"], args].concat(), reason);
+    }
+}
+
+#[test]
+fn theory_is_drawn_over_maps_where_it_has_a_curve() {
+    let folder = TempDir::new().unwrap();
+    let settings = ["--backend", "cpu", "--transient-periods", "60", "--periods", "64"];
+    let map = |axes: &[&'static str], out: &'static str| {
+        [&["map", "--overlay", "melnikov", "--out", out], axes, &settings[..]].concat()
+    };
+    run(folder.path(), &map(&["--x", "zeta_k=3:5:8", "--y", "h1=0:1.5:6"], "m"));
+    let with = fs::read(folder.path().join("m-lyapunov.png")).unwrap();
+    run(folder.path(), &["render", "m.zarr"]);
+    let without = fs::read(folder.path().join("m-lyapunov.png")).unwrap();
+    assert_ne!(with, without);
+    run(folder.path(), &["render", "m.zarr", "--overlay", "melnikov"]);
+    assert_eq!(fs::read(folder.path().join("m-lyapunov.png")).unwrap(), with);
+    for (x, y, reason) in [
+        ("epsilon=0.05:0.2:3", "x0=0:1:3", "neither on epsilon nor on x0"),
+        ("zeta_k=0:1:3", "h1=0:1:3", "nowhere"),
+    ] {
+        assert_refused(folder.path(), &map(&["--x", x, "--y", y], "q"), reason);
+    }
+    assert!(!folder.path().join("q.zarr").exists(), "refused before any work");
+}
+
+#[test]
+fn reproduce_computes_what_is_not_current() {
+    let folder = TempDir::new().unwrap();
+    let args = ["reproduce", "--figure", "4.1", "--quick"];
+    let said = run(folder.path(), &args);
+    assert!(
+        said.contains("| 4.1 | zeta_k from which M changes sign, h1 = 0.5 | 3.50 to 3.90 | 3.6933 | within |"),
+        "{said}"
+    );
+    let path = |name: &str| folder.path().join("outputs/paper").join(name);
+    for name in [
+        "figure-4.1.png",
+        "figure-4.1.svg",
+        "figure-4.1a.csv",
+        "figure-4.1.json",
+        "table.md",
+    ] {
+        assert!(path(name).is_file(), "{name}");
+    }
+    assert!(run(folder.path(), &args).contains("figure 4.1 is current"));
+    fs::remove_file(path("figure-4.1.png")).unwrap();
+    assert!(run(folder.path(), &args).contains("wrote outputs/paper/figure-4.1.png"));
+
+    assert_refused(folder.path(), &["reproduce", "--figure", "9.9"], "3.1, 3.2, 4.1");
+    fs::write(folder.path().join("file"), "").unwrap();
+    assert_refused(folder.path(), &["reproduce", "--out", "file"], "is a file");
+}
