@@ -55,7 +55,7 @@ fn a_map_is_computed_stored_drawn_and_drawn_again() {
         "96 points",
         "class:",
         "status: ok 96",
-        "instance-steps/s",
+        "instance-periods/s",
         "onset:",
         "sum of the exponents",
     ] {
