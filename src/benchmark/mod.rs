@@ -5,6 +5,7 @@
 pub mod accuracy;
 pub mod speed;
 
+use crate::experiment::Preset;
 use crate::grid::{Axis, AxisError, Grid};
 use crate::parameters::{Parameter, ParameterSet};
 
@@ -31,5 +32,25 @@ pub fn grid() -> Result<Grid, AxisError> {
 /// As [`grid`].
 pub fn points(stride: usize) -> Result<Vec<ParameterSet>, AxisError> {
     let grid = grid()?;
+    Ok((0..grid.len()).step_by(stride).map(|index| grid.point(index)).collect())
+}
+
+/// The paper's preset without wear, over zeta_k 3..4.5 and gamma 1..1.87: the full model where it slides and sticks in
+/// every period. Every `stride`-th point of 64 x 16.
+///
+/// # Errors
+/// As [`grid`].
+pub fn rubbed_points(stride: usize) -> Result<Vec<ParameterSet>, AxisError> {
+    let preset = Preset::Paper.values().iter();
+    let fixed = preset.fold(ParameterSet::default(), |set, &(parameter, value)| {
+        set.with(parameter, value)
+    });
+    let grid = Grid {
+        axes: vec![
+            Axis::new(Parameter::ZetaK, 3.0, 4.5, SIDE)?,
+            Axis::new(Parameter::Gamma, 1.0, 1.87, SIDE / 4)?,
+        ],
+        fixed: fixed.with(Parameter::KW, 0.0),
+    };
     Ok((0..grid.len()).step_by(stride).map(|index| grid.point(index)).collect())
 }

@@ -21,6 +21,7 @@ macro_rules! say_on {
 mod analysis;
 mod bifurcation;
 mod devices;
+mod history;
 mod lyapunov;
 mod map;
 mod melnikov;
@@ -65,6 +66,8 @@ enum Command {
     Phase(phase::PhaseArgs),
     /// Draw the stroboscopic section of an attractor
     Poincare(poincare::PoincareArgs),
+    /// Follow one point over time: pressure, wear, temperature, angle and speed
+    History(history::HistoryArgs),
     /// Evaluate Mel'nikov's function, its extremes and its thresholds
     Melnikov(melnikov::MelnikovArgs),
     /// Compute the paper's figures, and the table of what it says and what the program gets
@@ -112,6 +115,7 @@ pub fn main() -> ExitCode {
         Command::Lyapunov(args) => lyapunov::run(&args),
         Command::Phase(args) => phase::run(&args),
         Command::Poincare(args) => poincare::run(&args),
+        Command::History(args) => history::run(&args),
         Command::Melnikov(args) => melnikov::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Devices(args) => devices::run(&args),

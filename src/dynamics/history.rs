@@ -35,6 +35,13 @@ pub struct History {
     pub contact_lost: Option<f64>,
     /// Whether the pressure ran away, or the motion needed more or shorter steps than there may be.
     pub given_up: bool,
+    /// Whether it was the pressure.
+    pub pressure_ran_away: bool,
+    /// Greatest p, also between samples, and its tau.
+    pub peak_pressure: f64,
+    pub peak_pressure_time: f64,
+    /// Greatest theta(1, tau), also between samples.
+    pub peak_temperature: f64,
 }
 
 /// Follows an instance over `periods` forcing periods from its initial state, `samples` times in each.
@@ -71,10 +78,14 @@ pub fn history(parameters: &ParameterSet, settings: &Settings, periods: u32, sam
             all.push(sample(&orbit));
         }
     }
-    let [lost_periods, lost_rest] = peaks.lost;
+    let time = |[periods, rest]: [f64; 2]| periods * parameters.forcing_period() + rest;
     History {
         samples: all,
-        contact_lost: (lost_periods >= 0.0).then(|| lost_periods * parameters.forcing_period() + lost_rest),
+        contact_lost: (peaks.lost[0] >= 0.0).then(|| time(peaks.lost)),
         given_up,
+        pressure_ran_away: orbit.runaway > 0.0,
+        peak_pressure: peaks.pressure,
+        peak_pressure_time: time(peaks.pressure_time),
+        peak_temperature: peaks.temperature,
     }
 }

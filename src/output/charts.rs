@@ -21,7 +21,7 @@ const ANGLE: &str = "angle of the bush, x";
 const SPEED: &str = "angular speed of the bush, y";
 const STROBOSCOPIC: &str = "at drive phase 0";
 
-fn scale(label: &str, limits: Limits, values: impl Iterator<Item = f64>) -> Scale {
+pub(super) fn scale(label: &str, limits: Limits, values: impl Iterator<Item = f64>) -> Scale {
     match limits {
         Some([low, high]) => Scale::new(label, low, high),
         None => Scale::around(label, values),
@@ -29,12 +29,12 @@ fn scale(label: &str, limits: Limits, values: impl Iterator<Item = f64>) -> Scal
 }
 
 /// Colour of the curve with an index.
-fn colour_of(index: usize) -> colour::Rgb {
+pub(super) fn colour_of(index: usize) -> colour::Rgb {
     colour::PERIODS[index % colour::PERIODS.len()]
 }
 
 /// Grey, for zero lines.
-const FAINT: colour::Rgb = [0x80, 0x80, 0x80];
+pub(super) const FAINT: colour::Rgb = [0x80, 0x80, 0x80];
 
 /// Mel'nikov's function over tau0: named curves of pairs (tau0, M); every second one is dashed.
 pub fn melnikov(title: &str, curves: &[(String, Vec<[f64; 2]>)], limits: Limits) -> Panel {

@@ -15,6 +15,7 @@ pub mod csv;
 pub mod density;
 pub mod drawing;
 pub mod figure;
+pub mod histories;
 pub mod panel;
 pub mod picture;
 mod plot;

@@ -17,6 +17,8 @@ pub struct Scale {
     pub label: String,
     pub low: f64,
     pub high: f64,
+    /// Whether ticks have no numbers and the axis no words: a panel below has the same scale.
+    pub is_bare: bool,
 }
 
 impl Scale {
@@ -25,7 +27,14 @@ impl Scale {
             label: label.to_owned(),
             low,
             high,
+            is_bare: false,
         }
+    }
+
+    /// The same scale where a panel below shows its numbers and words.
+    #[must_use]
+    pub fn bare(self) -> Self {
+        Self { is_bare: true, ..self }
     }
 
     /// Ends a little beyond the finite ones of the values; around a single value, or 0, where there is no extent.
@@ -139,7 +148,9 @@ const SWATCH: f64 = 30.0;
 /// Room around a frame, in pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Room {
-    pub left: f64,
+    /// Words of the y axis, and the numbers at its ticks between them and the frame.
+    pub label: f64,
+    pub numbers: f64,
     pub right: f64,
     pub top: f64,
     pub bottom: f64,
@@ -151,13 +162,18 @@ impl Panel {
         let y_ticks = y_ticks(&self.y, frame_height);
         let tick_width = widest(y_ticks.iter().map(|tick| tick.label.as_str()), TICK_SIZE);
         let y_lines = wrap(&self.y.label, LABEL_SIZE, frame_height).len() as f64;
-        let x_lines = wrap(&self.x.label, LABEL_SIZE, frame_width).len() as f64;
+        let below = if self.x.is_bare {
+            0.0
+        } else {
+            9.0 + TICK_SIZE + wrap(&self.x.label, LABEL_SIZE, frame_width).len() as f64 * LINE
+        };
         let bar = self.density().map_or(18.0, |density| density.bar_room(TICK_SIZE));
         Room {
-            left: 10.0 + tick_width + 8.0 + y_lines * LINE,
+            label: y_lines * LINE,
+            numbers: 10.0 + tick_width + 12.0,
             right: bar,
             top: if self.title.is_empty() { 12.0 } else { 1.9 * LABEL_SIZE },
-            bottom: 9.0 + TICK_SIZE + x_lines * LINE + self.legend_rows(frame_width).len() as f64 * LEGEND_ROW + 12.0,
+            bottom: below + self.legend_rows(frame_width).len() as f64 * LEGEND_ROW + 12.0,
         }
     }
 
@@ -175,8 +191,9 @@ impl Panel {
         })
     }
 
-    /// Draws the panel with its frame at [left, top, width, height]; `id` is unique in the document.
-    pub(super) fn draw(&self, svg: &mut String, frame: [f64; 4], id: usize) -> Result<(), FigureError> {
+    /// Draws the panel with its frame at [left, top, width, height], and the words of its y axis so far to the left that
+    /// there is room for `numbers`; `id` is unique in the document.
+    pub(super) fn draw(&self, svg: &mut String, frame: [f64; 4], numbers: f64, id: usize) -> Result<(), FigureError> {
         let [left, top, frame_width, frame_height] = frame;
         let place = format!("x=\"{left}\" y=\"{top}\" width=\"{frame_width}\" height=\"{frame_height}\"");
         let _ = writeln!(
@@ -205,7 +222,7 @@ impl Panel {
             words(svg, text, at, top - 0.55 * LABEL_SIZE, TICK_SIZE, "start");
             clear = at + width(text, TICK_SIZE) + 16.0;
         }
-        self.draw_axes(svg, frame);
+        self.draw_axes(svg, frame, numbers);
         if let Some(density) = self.density() {
             density.draw_bar(svg, [left + frame_width, top, frame_height], TICK_SIZE, id);
         }
@@ -276,29 +293,32 @@ impl Panel {
         Ok(())
     }
 
-    fn draw_axes(&self, svg: &mut String, [left, top, frame_width, frame_height]: [f64; 4]) {
+    fn draw_axes(&self, svg: &mut String, [left, top, frame_width, frame_height]: [f64; 4], numbers: f64) {
         let bottom = top + frame_height;
         for tick in x_ticks(&self.x, frame_width) {
             let x = left + self.x.part(tick.value) * frame_width;
             line(svg, [x, bottom, x, bottom + 6.0], 1.0);
-            words(svg, &tick.label, x, bottom + 9.0 + TICK_SIZE, TICK_SIZE, "middle");
+            if !self.x.is_bare {
+                words(svg, &tick.label, x, bottom + 9.0 + TICK_SIZE, TICK_SIZE, "middle");
+            }
         }
-        let y_ticks = y_ticks(&self.y, frame_height);
-        for tick in &y_ticks {
+        for tick in y_ticks(&self.y, frame_height) {
             let y = bottom - self.y.part(tick.value) * frame_height;
             line(svg, [left - 6.0, y, left, y], 1.0);
             words(svg, &tick.label, left - 10.0, y + 0.36 * TICK_SIZE, TICK_SIZE, "end");
         }
-        let tick_width = widest(y_ticks.iter().map(|tick| tick.label.as_str()), TICK_SIZE);
         let y_lines = wrap(&self.y.label, LABEL_SIZE, frame_height);
         for (index, text) in y_lines.iter().enumerate() {
-            let x = left - 10.0 - tick_width - 8.0 - (y_lines.len() - 1 - index) as f64 * LINE;
+            let x = left - numbers - (y_lines.len() - 1 - index) as f64 * LINE;
             upright(svg, text, x, top + 0.5 * frame_height, LABEL_SIZE);
         }
-        let mut y = bottom + 9.0 + TICK_SIZE;
-        for text in wrap(&self.x.label, LABEL_SIZE, frame_width) {
-            y += LINE;
-            words(svg, &text, left + 0.5 * frame_width, y, LABEL_SIZE, "middle");
+        let mut y = bottom;
+        if !self.x.is_bare {
+            y += 9.0 + TICK_SIZE;
+            for text in wrap(&self.x.label, LABEL_SIZE, frame_width) {
+                y += LINE;
+                words(svg, &text, left + 0.5 * frame_width, y, LABEL_SIZE, "middle");
+            }
         }
         for row in self.legend_rows(frame_width) {
             y += LEGEND_ROW;
@@ -405,6 +425,12 @@ fn x_ticks(scale: &Scale, length: f64) -> Vec<Tick> {
         .unwrap_or_else(|| ticks(scale.low, scale.high, 2))
 }
 
+/// Ticks at a comfortable distance, or closer where a low frame would have fewer than three.
 fn y_ticks(scale: &Scale, length: f64) -> Vec<Tick> {
-    ticks(scale.low, scale.high, ((length / 48.0) as usize).max(2))
+    let comfortable = ((length / 48.0) as usize).max(2);
+    let closest = ((length / (1.5 * TICK_SIZE)) as usize).max(comfortable);
+    (comfortable..=closest)
+        .map(|most| ticks(scale.low, scale.high, most))
+        .find(|ticks| ticks.len() >= 3)
+        .unwrap_or_else(|| ticks(scale.low, scale.high, comfortable))
 }

@@ -22,6 +22,8 @@ pub struct Sheet {
 pub const SINGLE: [u32; 2] = [900, 560];
 /// The frames of a picture with panels beside each other.
 pub const BESIDE: [u32; 2] = [620, 400];
+/// The frames of a picture with panels below each other that share an axis.
+pub const STACKED: [u32; 2] = [900, 130];
 
 const MARGIN: f64 = 16.0;
 const CAPTION_SIZE: f64 = 14.0;
@@ -33,6 +35,16 @@ impl Sheet {
             panels: vec![panel],
             columns: 1,
             frame: SINGLE,
+            caption,
+        }
+    }
+
+    /// Panels below each other.
+    pub fn stacked(panels: Vec<Panel>, caption: Vec<String>) -> Self {
+        Self {
+            panels,
+            columns: 1,
+            frame: STACKED,
             caption,
         }
     }
@@ -54,8 +66,9 @@ impl Sheet {
         let mut lefts = Vec::new();
         let mut right = MARGIN;
         for column in 0..columns {
-            let left = right + widest(|room| room.left, column);
-            lefts.push(left);
+            let numbers = widest(|room| room.numbers, column);
+            let left = right + widest(|room| room.label, column) + numbers;
+            lefts.push((left, numbers));
             right = left + frame[0] + widest(|room| room.right, column);
         }
         let page_width = right + MARGIN;
@@ -65,8 +78,8 @@ impl Sheet {
         let mut id = 0;
         for (panels, rooms) in self.panels.chunks(columns).zip(rooms.chunks(columns)) {
             let top = y + rooms.iter().map(|room| room.top).fold(0.0, f64::max).ceil();
-            for (panel, left) in panels.iter().zip(&lefts) {
-                panel.draw(&mut svg, [*left, top, frame[0], frame[1]], id)?;
+            for (panel, &(left, numbers)) in panels.iter().zip(&lefts) {
+                panel.draw(&mut svg, [left, top, frame[0], frame[1]], numbers, id)?;
                 id += 1;
             }
             y = top + frame[1] + rooms.iter().map(|room| room.bottom).fold(0.0, f64::max).ceil();

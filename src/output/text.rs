@@ -107,7 +107,7 @@ mod tests {
         let labels = QUANTITIES.iter().flat_map(|info| info.label.chars());
         for glyph in symbols
             .chain(labels)
-            .chain("−×⁰¹²³⁴⁵⁶⁷⁸⁹⁻≤≥τ–".chars())
+            .chain("−×⁰¹²³⁴⁵⁶⁷⁸⁹⁻≤≥τθφ\u{307}–".chars())
             .filter(|glyph| *glyph != ' ')
         {
             assert!(has(glyph), "{glyph}");

@@ -92,7 +92,11 @@ impl Files {
         let mut files = write_drawing(&name, &drawn, figure.title, &recipe)?.to_vec();
         for data in &outcome.data {
             let path = with_ending(&name, &format!("{}.csv", data.panel));
-            let comment = format!("figure {} ({})", figure.id, data.panel);
+            let comment = if data.panel.is_empty() {
+                format!("figure {}", figure.id)
+            } else {
+                format!("figure {} ({})", figure.id, data.panel)
+            };
             write_rows(&path, &[comment], &data.columns, data.rows.iter().map(Vec::as_slice))?;
             files.push(path);
         }

@@ -7,6 +7,7 @@
 mod files;
 mod melnikov;
 mod reduced;
+mod rubbed;
 pub mod table;
 
 use std::ops::ControlFlow;
@@ -55,7 +56,7 @@ pub struct Outcome {
 
 /// The data of a panel, for a table of comma-separated values.
 pub struct Data {
-    /// The panel's letter.
+    /// The panel's letter; empty where there is one panel alone.
     pub panel: String,
     pub columns: Vec<String>,
     pub rows: Vec<Vec<f64>>,
@@ -80,6 +81,30 @@ pub const FIGURES: &[Figure] = &[
         title: "Mel'nikov's function",
         revision: 1,
         compute: melnikov::figure_4_1,
+    },
+    Figure {
+        id: "5.1",
+        title: "Phase plane without and with frictional heat",
+        revision: 1,
+        compute: rubbed::figure_5_1,
+    },
+    Figure {
+        id: "5.2",
+        title: "Contact pressure and wear without frictional heat",
+        revision: 1,
+        compute: rubbed::figure_5_2,
+    },
+    Figure {
+        id: "5.3",
+        title: "Contact pressure with frictional heat and wear",
+        revision: 1,
+        compute: rubbed::figure_5_3,
+    },
+    Figure {
+        id: "5.4",
+        title: "Wear without and with frictional heat",
+        revision: 1,
+        compute: rubbed::figure_5_4,
     },
 ];
 

@@ -107,3 +107,57 @@ fn only_current_figures_count() {
     std::fs::remove_file(folder.path().join("figure-4.1.svg")).unwrap();
     assert!(files.current(figure).is_none());
 }
+
+#[test]
+fn heat_removes_chaos() {
+    let Outcome { sheet, rows, data } = compute("5.1");
+    assert_eq!((sheet.panels.len(), data.len(), rows.len()), (1, 1, 8));
+    for row in rows.iter().step_by(2) {
+        assert_eq!(row.difference(), "agrees", "{row:?}");
+    }
+    assert_number(&rows[5], -0.0808, 0.001);
+    assert_number(&rows[7], -0.4474, 0.002);
+}
+
+#[test]
+fn without_heat_pressure_falls_to_nothing_and_wear_rises_to_1() {
+    let rows = compute("5.2").rows;
+    assert_eq!(rows.len(), 6);
+    assert!(
+        [&rows[0], &rows[3]].iter().all(|row| row.difference() == "agrees"),
+        "{rows:?}"
+    );
+    assert_number(&rows[4], 0.8295, 0.0008);
+    assert_number(&rows[5], 0.9483, 0.0009);
+}
+
+#[test]
+fn heat_and_wear_end_the_contact() {
+    let rows = compute("5.3").rows;
+    assert_eq!(rows.len(), 6);
+    for (row, expected, relative) in [
+        (0, 72.0556, 1e-3),
+        (1, 95.955, 1e-3),
+        (2, 543.0, 0.02),
+        (3, 65.840, 1e-3),
+        (4, 92.321, 1e-3),
+        (5, 296.0, 0.02),
+    ] {
+        assert_number(&rows[row], expected, relative * expected);
+    }
+    assert_eq!(rows[0].paper, Value::number(72.0, 0));
+    assert!(
+        rows[1].remark.starts_with("at tau = 6.73") && rows[4].remark.starts_with("at tau = 6.72"),
+        "{rows:?}"
+    );
+}
+
+#[test]
+fn heat_multiplies_the_wear() {
+    let rows = compute("5.4").rows;
+    assert_eq!(rows.len(), 3);
+    assert_number(&rows[0], 27.053, 0.027);
+    assert_number(&rows[1], 30.206, 0.03);
+    assert_number(&rows[2], 30.2, 0.1);
+    assert!(rows[2].remark.starts_with("36.4 times"), "{:?}", rows[2]);
+}

@@ -1,0 +1,223 @@
+//! `history`: one point over time.
+
+use anyhow::anyhow;
+use clap::Args;
+use serde_json::{Value, json};
+use tribochaos::dynamics::history::{History, Sample, history};
+use tribochaos::experiment::{BackendChoice, Experiment, Precision, Request, Scheme};
+use tribochaos::measurement::{Contact, RUNAWAY_BOUND, Status};
+use tribochaos::output::sheet::Sheet;
+use tribochaos::output::{PROGRAM, caption, charts, histories};
+use tribochaos::parameters::Parameter;
+
+use super::Failure;
+use super::analysis::{self, Files, OutArgs};
+use super::request::{self, ExperimentArgs};
+
+/// The point is followed from its initial state by radau, on the CPU in f64, over 30 forcing periods (--periods); without
+/// heat and wear the pressure stays 1.
+#[derive(Args)]
+#[command(after_help = request::parameter_table())]
+pub struct HistoryArgs {
+    /// Samples in a forcing period, in equal steps
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(4..=4096))]
+    samples: u32,
+    #[command(flatten)]
+    experiment: ExperimentArgs,
+    #[command(flatten)]
+    out: OutArgs,
+}
+
+/// Forcing periods where none are asked for: contact at the preset is lost after 23.
+const PERIODS: u32 = 30;
+/// More samples make a table that nobody opens.
+const MOST_SAMPLES: u64 = 1_000_000;
+
+pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
+    let (experiment, periods) = experiment(args)?;
+    let at = experiment.grid.fixed;
+    let options = json!({ "periods": periods, "samples": args.samples });
+    let recipe = analysis::recipe("history", &experiment, options);
+    let mut files = Files::claim(&args.out, "outputs/history", &[""], recipe)?;
+
+    let history = history(&at, &experiment.settings, periods, args.samples);
+    let last = history.samples.last().expect("the first sample is the initial state");
+    let (status, reason) = ending(&history);
+    if history.given_up {
+        eprintln!(
+            "warning: given up after tau = {:.4}, where what is shown ends: {reason}",
+            last.tau
+        );
+    }
+    let contact = Contact {
+        lost: history.contact_lost,
+        peak_pressure: history.peak_pressure,
+        peak_pressure_time: history.peak_pressure_time,
+        final_wear: last.wear,
+        peak_temperature: history.peak_temperature,
+    };
+    let sheet = Sheet::stacked(
+        histories::stacked(&history),
+        words(&experiment, args, periods, &history),
+    );
+    files.draw(
+        "",
+        &sheet.draw().map_err(Failure::run)?,
+        "History of the bush-shaft system",
+    )?;
+    let mut notes = vec![
+        "tau: time; x, y: angle phi of the bush and its speed phi-dot; v: sliding speed".to_owned(),
+        "pressure: p, 0 in the gap; wear: u_w; temperature: theta(1, tau); all dimensionless".to_owned(),
+    ];
+    notes.extend(contact.lost.map(|lost| format!("contact lost at tau_c = {lost}")));
+    if history.given_up {
+        notes.push(format!("given up after the last row: {reason}"));
+    }
+    files.table(
+        "",
+        &notes,
+        ["tau", "x", "y", "v", "pressure", "wear", "temperature"],
+        history.samples.iter().map(|sample| {
+            [
+                sample.tau,
+                sample.x,
+                sample.y,
+                sample.v,
+                sample.pressure,
+                sample.wear,
+                sample.temperature,
+            ]
+        }),
+    )?;
+    if args.out.json {
+        files.report(Some(object(&experiment, periods, last, status, &contact)));
+    } else {
+        print(last.tau, &contact);
+        files.report(None);
+    }
+    Ok(())
+}
+
+/// The experiment and the forcing periods that are followed.
+fn experiment(args: &HistoryArgs) -> Result<(Experiment, u32), Failure> {
+    let refused = |reason: String| Err(Failure::Input(anyhow!(reason)));
+    let mut request = Request::default();
+    let settings = &mut request.settings;
+    settings.scheme = Some(Scheme::Radau);
+    settings.periods = PERIODS;
+    settings.transient_periods = 0;
+    args.experiment.apply(&mut request);
+    let settings = &mut request.settings;
+    if settings.scheme != Some(Scheme::Radau) {
+        return refused("histories are followed by radau alone: leave --scheme out".to_owned());
+    }
+    if settings.backend == BackendChoice::Gpu || settings.precision == Some(Precision::F32) {
+        return refused("histories are followed on the CPU in f64: leave --backend and --precision out".to_owned());
+    }
+    if settings.transient_periods > 0 {
+        return refused(
+            "a history shows the run from its initial state: leave --transient-periods out, and give as many --periods \
+             as are to be followed"
+                .to_owned(),
+        );
+    }
+    if settings.initial_states > 1 {
+        return refused(
+            "a history is that of one initial state: leave --initial-states out, and set x0 and y0".to_owned(),
+        );
+    }
+    let periods = settings.periods;
+    let most = MOST_SAMPLES / u64::from(args.samples);
+    if !(1..=most).contains(&u64::from(periods)) {
+        return refused(format!(
+            "periods = {periods} is out of range: it must be from 1 to {most} with {} samples in each",
+            args.samples
+        ));
+    }
+    settings.backend = BackendChoice::Cpu;
+    // measurements need more periods than a history, which has its own number of them
+    settings.periods = Request::default().settings.periods;
+    Ok((request.resolve_point().map_err(Failure::input)?, periods))
+}
+
+/// How the run ended, and why if it did so before its time.
+fn ending(history: &History) -> (Status, &'static str) {
+    let Some(last) = history.samples.last().filter(|_| history.given_up) else {
+        return (Status::Ok, "");
+    };
+    let runaway = Status::Runaway { time: last.tau };
+    if history.pressure_ran_away {
+        (runaway, "the contact pressure ran away")
+    } else if last.x.abs() + last.y.abs() >= RUNAWAY_BOUND {
+        (runaway, "the motion ran away")
+    } else {
+        (
+            Status::UnderResolved,
+            "the next sample needs more or shorter steps than there may be",
+        )
+    }
+}
+
+fn words(experiment: &Experiment, args: &HistoryArgs, periods: u32, history: &History) -> Vec<String> {
+    let at = &experiment.grid.fixed;
+    // an infinite rate is no ramp
+    let shown: Vec<Parameter> = [Parameter::RampRate]
+        .into_iter()
+        .filter(|&parameter| at[parameter].is_infinite())
+        .collect();
+    let settings = &experiment.settings;
+    let contact = match history.contact_lost {
+        // the panels say when
+        Some(_) => "",
+        None if history.given_up => "",
+        None if at.is_rubbed() => "Contact held to the end. ",
+        None => "Constant contact pressure. ",
+    };
+    let ended = match history.samples.last().filter(|_| history.given_up) {
+        Some(last) => format!("Given up after τ = {:.4}: {}. ", last.tau, ending(history).1),
+        None => String::new(),
+    };
+    vec![
+        charts::fixed(at, &shown),
+        format!(
+            "{periods} forcing periods, {} samples in each. {contact}{ended}{}, {} heat modes, tolerance {}, integrated \
+             on CPU (f64). {PROGRAM}.",
+            args.samples,
+            caption::scheme(settings),
+            settings.modes,
+            settings.tolerance
+        ),
+    ]
+}
+
+fn object(experiment: &Experiment, periods: u32, last: &Sample, status: Status, contact: &Contact) -> Value {
+    json!({
+        "parameters": analysis::parameters(&experiment.grid.fixed),
+        "periods": periods,
+        "status": status.name(),
+        "end": last.tau,
+        "x": last.x,
+        "y": last.y,
+        "contact_status": contact.status_name(),
+        "contact_time": contact.lost,
+        "peak_pressure": contact.peak_pressure,
+        "peak_pressure_time": contact.peak_pressure_time,
+        "final_wear": contact.final_wear,
+        "peak_temperature": contact.peak_temperature,
+    })
+}
+
+fn print(end: f64, contact: &Contact) {
+    say!("followed            to tau = {end:.4}");
+    match contact.lost {
+        Some(time) => say!("contact             lost at tau = {time:.4}"),
+        None => say!("contact             held"),
+    }
+    say!(
+        "peak pressure       {:.5} at tau = {:.4}",
+        contact.peak_pressure,
+        contact.peak_pressure_time
+    );
+    say!("final wear          {:.5}", contact.final_wear);
+    say!("peak temperature    {:.3}  (of the surface)", contact.peak_temperature);
+}

@@ -1,0 +1,199 @@
+//! Panels over time: what an instance's history looks like, alone or beside others.
+//!
+//! Owns which quantities are drawn, their words and how a long curve is thinned; follows no instance and places no panel.
+
+use super::charts::{FAINT, Limits, colour_of, scale};
+use super::panel::{Layer, Panel, Scale, Stroke};
+use crate::dynamics::history::{History, Sample};
+
+const TIME: &str = "time τ";
+
+/// Words of the axes.
+pub const PRESSURE: &str = "pressure p";
+pub const WEAR: &str = "wear u_w";
+
+/// A drawn quantity: its words, whether zero is marked, and what it is of a sample.
+type Quantity = (&'static str, bool, fn(&Sample) -> f64);
+
+const QUANTITIES: [Quantity; 5] = [
+    (PRESSURE, false, |sample| sample.pressure),
+    (WEAR, false, |sample| sample.wear),
+    ("temperature θ(1, τ)", false, |sample| sample.temperature),
+    ("angle x = φ", true, |sample| sample.x),
+    ("speed y = φ\u{307}", true, |sample| sample.y),
+];
+
+/// A history in five panels over one axis of time: p, u_w, theta(1, tau), phi and phi-dot. The loss of contact is a line
+/// through all of them, and its time stands above the first.
+pub fn stacked(history: &History) -> Vec<Panel> {
+    let end = history.samples.last().map_or(0.0, |sample| sample.tau);
+    // a run that was given up at once still needs an axis
+    let time = Scale::new(TIME, 0.0, if end > 0.0 { end } else { 1.0 });
+    let lowest = QUANTITIES.len() - 1;
+    let panels = QUANTITIES
+        .iter()
+        .enumerate()
+        .map(|(index, &(label, marks_zero, value))| {
+            let mut layers = Vec::new();
+            if marks_zero {
+                layers.push(Layer::Level {
+                    y: 0.0,
+                    stroke: Stroke::solid(FAINT, 1.0),
+                });
+            }
+            let points = thinned(curve(&history.samples, value));
+            // a line needs two points
+            layers.push(if points.len() < 2 {
+                Layer::Marks {
+                    name: String::new(),
+                    points,
+                    colour: colour_of(index),
+                    radius: 3.5,
+                }
+            } else {
+                Layer::Curve {
+                    name: String::new(),
+                    points,
+                    stroke: Stroke::solid(colour_of(index), 1.2),
+                }
+            });
+            if let Some(lost) = history.contact_lost {
+                let words = format!("contact lost at τ_c = {lost:.3}");
+                layers.push(Layer::Flag {
+                    x: lost,
+                    words: if index == 0 { words } else { String::new() },
+                    stroke: Stroke::dashed([0, 0, 0], 1.2),
+                });
+            }
+            Panel {
+                title: String::new(),
+                x: if index < lowest {
+                    time.clone().bare()
+                } else {
+                    time.clone()
+                },
+                y: Scale::around(label, history.samples.iter().map(value)),
+                layers,
+            }
+        });
+    panels.collect()
+}
+
+/// One quantity of a history as pairs (tau, value).
+pub fn curve(samples: &[Sample], value: impl Fn(&Sample) -> f64) -> Vec<[f64; 2]> {
+    samples.iter().map(|sample| [sample.tau, value(sample)]).collect()
+}
+
+/// A named curve over time.
+pub struct Course {
+    pub name: String,
+    /// Pairs (tau, value).
+    pub points: Vec<[f64; 2]>,
+    /// Curves with one index have one colour.
+    pub colour: usize,
+    pub is_dashed: bool,
+}
+
+/// Several curves over time in one panel.
+pub fn courses(label: &str, courses: &[Course], x: Limits, y: Limits) -> Panel {
+    let points = || courses.iter().flat_map(|course| course.points.iter());
+    let layers = courses.iter().map(|course| Layer::Curve {
+        name: course.name.clone(),
+        points: thinned(course.points.clone()),
+        stroke: Stroke {
+            colour: colour_of(course.colour),
+            width: 1.8,
+            is_dashed: course.is_dashed,
+        },
+    });
+    Panel {
+        title: String::new(),
+        x: scale(TIME, x, points().map(|point| point[0])),
+        y: scale(label, y, points().map(|point| point[1])),
+        layers: layers.collect(),
+    }
+}
+
+/// Stretches into which a long curve falls: two for each pixel of a frame.
+const STRETCHES: usize = 1800;
+
+/// A long curve without the points that no one would see: of each stretch the first, the last and the extremes stay.
+fn thinned(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    if points.len() <= 4 * STRETCHES {
+        return points;
+    }
+    let mut kept = Vec::with_capacity(4 * STRETCHES);
+    for stretch in points.chunks(points.len().div_ceil(STRETCHES)) {
+        let by_value = |&a: &usize, &b: &usize| stretch[a][1].total_cmp(&stretch[b][1]);
+        let least = (0..stretch.len()).min_by(by_value).unwrap_or(0);
+        let greatest = (0..stretch.len()).max_by(by_value).unwrap_or(0);
+        let mut indices = [0, least.min(greatest), least.max(greatest), stretch.len() - 1].to_vec();
+        indices.dedup();
+        kept.extend(indices.into_iter().map(|index| stretch[index]));
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sheet::Sheet;
+    use super::super::text;
+    use super::*;
+
+    fn made_up(count: usize) -> History {
+        let sample = |k: usize| {
+            let tau = k as f64 * 0.1;
+            Sample {
+                tau,
+                x: tau.sin(),
+                y: tau.cos(),
+                v: 0.4,
+                pressure: 1.0,
+                wear: 0.0,
+                temperature: 0.0,
+            }
+        };
+        History {
+            samples: (0..count).map(sample).collect(),
+            contact_lost: Some(7.25),
+            given_up: false,
+            pressure_ran_away: false,
+            peak_pressure: 1.0,
+            peak_pressure_time: 0.0,
+            peak_temperature: 0.0,
+        }
+    }
+
+    #[test]
+    fn panels_share_their_axis_and_say_once_when_contact_was_lost() {
+        for count in [1, 100] {
+            let panels = stacked(&made_up(count));
+            assert!(
+                panels
+                    .iter()
+                    .all(|panel| panel.x.low < panel.x.high && panel.y.low < panel.y.high)
+            );
+            assert_eq!(panels.iter().filter(|panel| !panel.x.is_bare).count(), 1);
+            let figure = Sheet::stacked(panels, vec!["a caption".to_owned()]).draw().unwrap();
+            assert_eq!(figure.svg.matches("τ_c = 7.250").count(), 1);
+            assert_eq!(figure.svg.matches(">time τ<").count(), 1);
+            let tree = resvg::usvg::Tree::from_str(&figure.svg, text::options()).unwrap();
+            let bounds = tree.root().abs_layer_bounding_box();
+            assert!(bounds.left() >= 0.0 && bounds.top() >= 0.0);
+            assert!(bounds.right() <= figure.width as f32 && bounds.bottom() <= figure.height as f32);
+        }
+    }
+
+    #[test]
+    fn long_curves_keep_their_ends_and_extremes() {
+        let points: Vec<[f64; 2]> = (0..100_000)
+            .map(|k| [f64::from(k), if k == 54_321 { 7.0 } else { f64::from(k % 13) * 0.1 }])
+            .collect();
+        let thin = thinned(points.clone());
+        assert!(thin.len() <= 4 * STRETCHES);
+        assert!(thin.windows(2).all(|pair| pair[0][0] < pair[1][0]));
+        assert_eq!((thin[0], thin[thin.len() - 1]), (points[0], points[99_999]));
+        assert!(thin.contains(&[54_321.0, 7.0]));
+        assert_eq!(thinned(points[..50].to_vec()), points[..50]);
+    }
+}
