@@ -55,7 +55,7 @@ fn a_map_is_computed_stored_drawn_and_drawn_again() {
         "96 points",
         "class:",
         "status: ok 96",
-        "instance-steps/s",
+        "instance-periods/s",
         "onset:",
         "sum of the exponents",
     ] {
@@ -232,7 +232,8 @@ fn a_point_is_one_json_object() {
 
 #[test]
 fn what_does_not_apply_is_null() {
-    let point = point(&["--set", "b=-1", "--set", "x0=2", "--set", "y0=1"]);
+    // without the cubic drag, which is too stiff at the speed of a runaway
+    let point = point(&["--set", "b=-1", "--set", "beta=0", "--set", "x0=2", "--set", "y0=1"]);
     assert_eq!(point["status"], "runaway");
     assert!(point["runaway_time"].as_f64().unwrap() > 0.0);
     for key in [

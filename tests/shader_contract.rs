@@ -283,6 +283,7 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
     ("dynamics/matrix", "dot", "built into WGSL"),
     ("dynamics/matrix", "apply", "built into WGSL"),
     ("dynamics/matrix", "product", "built into WGSL"),
+    ("dynamics/radau", "constants", "the shader writes its constants out"),
     ("dynamics/radau", "cardinal", "the shader writes its constants out"),
     ("dynamics/radau", "hermite", "the shader writes its constants out"),
     ("dynamics/radau", "hermite_slope", "the shader writes its constants out"),

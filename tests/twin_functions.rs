@@ -45,7 +45,7 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
 }
 ";
 const SAMPLES: usize = 64 * 256;
-const INPUTS: usize = 19;
+const INPUTS: usize = 20;
 const OUTPUTS: usize = 20;
 
 /// The fields of the shader's `Sample`, in order. Half of the states slide inside the friction layer.
@@ -69,6 +69,7 @@ fn sample(noise: &mut Noise) -> [f32; INPUTS] {
         noise.within(-1.0, 1.0),
         epsilon_0,
         0.005,
+        0.1,
         start,
         start + change,
         start + 2.0 * change,
@@ -95,6 +96,7 @@ fn expected(sample: &[f32; INPUTS]) -> ([f32; OUTPUTS], [f32; OUTPUTS]) {
         beta,
         epsilon_0,
         step,
+        _,
         start,
         middle,
         end,

@@ -5,6 +5,11 @@
 //!
 //! Every lane has its own clock and its own step: a pass tries one step in each, and keeps it where it is good.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "arrays are walked side by side: indices say so best"
+)]
+
 use std::f64::consts::TAU;
 
 use super::dense::Cubic;

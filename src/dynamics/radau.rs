@@ -10,6 +10,11 @@
 //! single fast modes are not) so is that at the two inner nodes. E. Hairer and G. Wanner, Solving Ordinary Differential
 //! Equations II, section IV.5, is the source of the scheme.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "arrays are walked side by side: indices say so best"
+)]
+
 use super::decay::{self, Decay};
 use super::matrix::{Matrix, Vector, apply, at_nodes, dot, inverse, product};
 use crate::lanes::{Mask, Real};

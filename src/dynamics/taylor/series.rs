@@ -5,11 +5,15 @@
 //! Time is measured in units U of [`UNITS_PER_PERIOD`] a forcing period, so that the drive's series has the same
 //! coefficients for every omega_0. With w = U y, and all speeds times U, the motion on a piece is
 //!
-//!     x' = w,   w' = U^2 (x - b x^3) + a_0 + a_1 v + a_2 v^2 + c v^3 - U eps h1 w,   v = U omega_k + U zeta_k sin z - w
+//! ```text
+//! x' = w,   w' = U^2 (x - b x^3) + a_0 + a_1 v + a_2 v^2 + c v^3 - U eps h1 w,   v = U omega_k + U zeta_k sin z - w
+//! ```
 //!
 //! whose coefficients follow from each other by convolutions: with q = v v, k = U^2 (1 - b x x), u = a_1 + a_2 v + c q,
 //!
-//!     (n+1) w[n+1] = (k x)[n] + (u v)[n] - U eps h1 w[n] + a_0 [n = 0],   (n+1) x[n+1] = w[n]
+//! ```text
+//! (n+1) w[n+1] = (k x)[n] + (u v)[n] - U eps h1 w[n] + a_0 [n = 0],   (n+1) x[n+1] = w[n]
+//! ```
 
 use std::f64::consts::TAU;
 
