@@ -212,6 +212,7 @@ fn a_point_is_one_json_object() {
             "class",
             "lyapunov",
             "lyapunov_error",
+            "lyapunov_interval",
             "lyapunov_second",
             "divergence",
             "spectrum",
@@ -219,7 +220,13 @@ fn a_point_is_one_json_object() {
             "x",
             "y",
             "x_min",
-            "x_max"
+            "x_max",
+            "contact_status",
+            "contact_time",
+            "peak_pressure",
+            "peak_pressure_time",
+            "final_wear",
+            "peak_temperature"
         ]
     );
     assert_eq!(point["class"], "regular");

@@ -148,7 +148,14 @@ fn leave(flow: Flow, piece: Piece, series: Series, trial: f32) -> Leave {
     let guess = clamp(fma(part, middle, start), start, stop);
     let at_guess = v_and_slope_at(series, guess);
     let newton = clamp(guess - (at_guess.x - boundary) / at_guess.y, start, stop);
-    return Leave(select(trial, newton, left), select(0.0, select(-1.0, 1.0, rises), left));
+    // where v turns before it leaves, Newton's step may go astray, back to where it started from: the lane then takes a
+    // part of the way, and looks again from there
+    let found = start < newton || straight < ON_BOUNDARY;
+    let closer = fma(0.5 * straight, middle, start);
+    return Leave(
+        select(trial, select(closer, newton, found), left),
+        select(0.0, select(-1.0, 1.0, rises), left && found),
+    );
 }
 
 // Sine and cosine of the drive's phase, s units of time on.

@@ -7,6 +7,7 @@ const LAYER_STEP: f32 = 0.35;
 const FREE_STEP: f32 = 2.0;
 const BEYOND: f32 = 0.0002;
 const AT_BOUNDARY: f32 = 0.0001;
+const ON_BOUNDARY: f32 = 0.01;
 const TICKS_PER_UNIT: f32 = 8388608.0;
 const UNITS_PER_PERIOD: f32 = 32.0;
 const TAU: f32 = 6.283185307179586;

@@ -115,9 +115,12 @@ impl<R: Real> System<R> {
         }
         // ramps are rare: lane by lane is fast enough
         R::from_lanes(|lane| {
-            // at time 0 too, an infinite rate makes 1
-            let square = time.lane(lane).powi(2).max(f64::MIN_POSITIVE);
-            -(-self.rubbing.ramp_rate.lane(lane) * square).exp_m1()
+            let (rate, time) = (self.rubbing.ramp_rate.lane(lane), time.lane(lane));
+            if rate.is_finite() {
+                -(-rate * time * time).exp_m1()
+            } else {
+                1.0
+            }
         })
     }
 }

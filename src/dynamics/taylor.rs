@@ -52,6 +52,9 @@ pub const FREE_STEP: f64 = 2.0;
 /// v is beyond a boundary where it exceeds it by more than this, in units of eps0; rounding does not count as that.
 pub const BEYOND: f64 = 2e-4;
 
+/// A half step that starts within this part of itself of the boundary, or beyond it, may end where it starts.
+pub const ON_BOUNDARY: f64 = 1e-2;
+
 /// A start within this of a boundary, in units of eps0, is taken as the layer's width away from it: it has just come from
 /// there.
 pub const AT_BOUNDARY: f64 = 1e-4;
@@ -233,8 +236,16 @@ fn leave<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series: &Ser
     let (v, slope) = series.v_and_slope_at(guess);
     let newton = guess - (v - boundary) / slope;
     let newton = newton.max(from).min(to);
+    // where v turns before it leaves, Newton's step may go astray, back to where it started from: the lane then takes a
+    // part of the way, and looks again from there
+    let found = from.less(newton).or(straight.less(R::splat(ON_BOUNDARY)));
+    let closer = (R::splat(0.5) * straight).mul_add(middle, from);
     let change = R::select(rises, R::splat(1.0), R::splat(-1.0));
-    (R::select(left, newton, trial), R::select(left, change, zero))
+    let leaves = left.and(found);
+    (
+        R::select(left, R::select(found, newton, closer), trial),
+        R::select(leaves, change, zero),
+    )
 }
 
 /// Sine and cosine of the drive's phase, `s` units of time on.

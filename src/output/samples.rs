@@ -3,7 +3,7 @@
 use crate::experiment::{Experiment, Request};
 use crate::grid::Axis;
 use crate::map::ParameterMap;
-use crate::measurement::{BackendKind, Class, Measurement, Status};
+use crate::measurement::{BackendKind, Class, Contact, Measurement, Status};
 
 pub fn experiment(x: &str, y: &str) -> Experiment {
     let request = Request {
@@ -27,6 +27,8 @@ pub fn measurement(lyapunov: f64) -> Measurement {
         lyapunov_second: lyapunov - 0.5,
         divergence: 2.0 * lyapunov - 0.5,
         lyapunov_birkhoff: lyapunov,
+        lyapunov_interval: 100.0,
+        contact: Contact::CONSTANT,
         x: 0.5,
         y: -0.5,
         x_min: -1.0,

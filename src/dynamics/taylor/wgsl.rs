@@ -10,7 +10,10 @@ use std::ops::{Add, Mul, Neg, Sub};
 use super::growth::RENEWAL_STEPS;
 use super::number::Number;
 use super::series::{Local, Series, UNITS_PER_PERIOD};
-use super::{AT_BOUNDARY, BEYOND, COEFFICIENTS, FREE_STEP, LAYER_STEP, LEAST_STEP, MAX_PASSES, REACH, TICKS_PER_UNIT};
+use super::{
+    AT_BOUNDARY, BEYOND, COEFFICIENTS, FREE_STEP, LAYER_STEP, LEAST_STEP, MAX_PASSES, ON_BOUNDARY, REACH,
+    TICKS_PER_UNIT,
+};
 use crate::dynamics::tangent::Vector;
 
 /// The text of one function's body: every operation adds a line.
@@ -181,6 +184,7 @@ fn constants() -> String {
         ("FREE_STEP", FREE_STEP),
         ("BEYOND", BEYOND),
         ("AT_BOUNDARY", AT_BOUNDARY),
+        ("ON_BOUNDARY", ON_BOUNDARY),
         ("TICKS_PER_UNIT", f64::from(TICKS_PER_UNIT)),
         ("UNITS_PER_PERIOD", f64::from(UNITS_PER_PERIOD)),
         ("TAU", std::f64::consts::TAU),
