@@ -22,15 +22,18 @@ pub fn plan(experiment: &Experiment) -> String {
     }
     let _ = write!(
         plan,
-        ": {} points{}, {} + {} periods of {} {} steps",
+        ": {} points{}, {} of {} {} steps",
         experiment.grid.len(),
         if settings.initial_states > 1 {
             format!(" x {} initial states", settings.initial_states)
         } else {
             String::new()
         },
-        settings.transient_periods,
-        settings.periods,
+        if experiment.wears() {
+            format!("{} periods from the start", settings.periods)
+        } else {
+            format!("{} + {} periods", settings.transient_periods, settings.periods)
+        },
         settings.steps_per_period(),
         settings.scheme().name()
     );
@@ -63,9 +66,12 @@ pub fn summary(map: &ParameterMap, computed: usize, elapsed: Duration, devices: 
             "all {points} points were in the store already; --force computes them again"
         );
     } else {
-        let periods = computed as f64
-            * f64::from(settings.initial_states)
-            * f64::from(settings.transient_periods + settings.periods);
+        let transient = if map.experiment.wears() {
+            0
+        } else {
+            settings.transient_periods
+        };
+        let periods = computed as f64 * f64::from(settings.initial_states) * f64::from(transient + settings.periods);
         let rate = periods / elapsed.as_secs_f64();
         let took = duration(elapsed);
         let devices = devices.join(", then ");

@@ -39,6 +39,8 @@ pub fn fixed(parameters: impl Iterator<Item = (Parameter, f64)>) -> String {
     let fixed: Vec<String> = all
         .into_iter()
         .filter(|(parameter, _)| is_rubbed || ![Gamma, KW, Biot, OmegaTilde, RampRate].contains(parameter))
+        // no ramp
+        .filter(|(_, value)| value.is_finite())
         .map(|(parameter, value)| assignment(parameter, value))
         .collect();
     format!(
@@ -50,12 +52,16 @@ pub fn fixed(parameters: impl Iterator<Item = (Parameter, f64)>) -> String {
 fn numerics(map: &ParameterMap) -> String {
     let settings = &map.experiment.settings;
     let (x, y) = (map.x_axis().count, map.y_axis().count);
-    let mut text = format!(
-        "Map of {x} × {y} points. {}, transient of {} periods, {} measured periods",
-        scheme(settings),
-        settings.transient_periods,
-        settings.periods
-    );
+    let run = if map.experiment.wears() {
+        // where nothing wears a transient comes before
+        format!("{} forcing periods from the start", settings.periods)
+    } else {
+        format!(
+            "transient of {} periods, {} measured periods",
+            settings.transient_periods, settings.periods
+        )
+    };
+    let mut text = format!("Map of {x} × {y} points. {}, {run}", scheme(settings));
     if settings.initial_states > 1 {
         text += &format!(
             ", {} initial states (seed {}) per point from x in {}, y in {}",
