@@ -431,6 +431,6 @@ fn y_ticks(scale: &Scale, length: f64) -> Vec<Tick> {
     let closest = ((length / (1.5 * TICK_SIZE)) as usize).max(comfortable);
     (comfortable..=closest)
         .map(|most| ticks(scale.low, scale.high, most))
-        .find(|ticks| ticks.len() >= 3)
-        .unwrap_or_else(|| ticks(scale.low, scale.high, comfortable))
+        .min_by_key(|ticks| 3usize.saturating_sub(ticks.len()))
+        .unwrap_or_default()
 }
