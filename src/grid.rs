@@ -42,6 +42,9 @@ impl Axis {
         let name = self.parameter.name();
         self.parameter.check(self.start)?;
         self.parameter.check(self.stop)?;
+        if !(self.start.is_finite() && self.stop.is_finite()) {
+            return Err(AxisError::Infinite { name });
+        }
         if self.start == self.stop {
             return Err(AxisError::Empty {
                 name,
@@ -99,6 +102,8 @@ pub enum AxisError {
     Malformed { text: String },
     #[error("the axis of {name} starts and stops at {value}: give it two different ends")]
     Empty { name: &'static str, value: f64 },
+    #[error("the axis of {name} runs to infinity: give it two finite ends")]
+    Infinite { name: &'static str },
     #[error("the axis of {name} has {count} values: it needs 2 to {max}", max = Axis::MAX_COUNT)]
     Count { name: &'static str, count: usize },
     #[error(transparent)]

@@ -359,6 +359,25 @@ fn bad_input_is_refused_with_a_reason_before_any_work() {
         (&["map", "--out", "folder/"], "names no file"),
         (&["map", "--adapter", "no such GPU"], "no GPU adapter has"),
         (&["map", "--out", "/proc/nowhere/map"], "/proc/nowhere/map.zarr"),
+        (&["map", "--set", "gamma=-1"], "gamma = -1 is out of range"),
+        (&["map", "--set", "k_w=-0.01"], "k_w = -0.01 is out of range"),
+        (&["map", "--set", "biot=0"], "biot = 0 is out of range"),
+        (&["map", "--set", "omega_tilde=0"], "omega_tilde = 0 is out of range"),
+        (&["map", "--set", "ramp_rate=0"], "leave it out for none"),
+        (&["map", "--x", "ramp_rate=1:inf:5"], "two finite ends"),
+        (&["map", "--modes", "0"], "modes = 0 is out of range"),
+        (&["map", "--modes", "65"], "from 1 to 64"),
+        (&["map", "--tolerance", "1"], "tolerance = 1 is out of range"),
+        (&["map", "--preset", "steel"], "`paper`"),
+        (
+            &["map", "--preset", "paper", "--scheme", "rk4"],
+            "neither frictional heat nor wear",
+        ),
+        (
+            &["map", "--preset", "paper", "--set", "h1=1"],
+            "leave one of the two out",
+        ),
+        (&["point", "--set", "gamma=1", "--steps-per-period", "8"], "from 16"),
         (&["render", "missing.zarr"], "missing.zarr"),
         (&["render", "map.png"], ".zarr"),
         (&["point", "--x", "zeta_k=0:1:5"], "--x"),
@@ -472,4 +491,80 @@ fn ctrl_c_keeps_what_is_finished() {
             .status
             .success()
     );
+}
+
+#[test]
+fn heat_and_wear_are_measured_from_the_command_line() {
+    let args = ["--preset", "paper", "--set", "zeta_k=3.9", "--periods", "30"];
+    let wears = point(&args);
+    let number = |value: &Value| value.as_f64().unwrap();
+    assert_eq!(wears["contact_status"], "lost");
+    assert!((number(&wears["contact_time"]) - 72.0556).abs() < 0.005);
+    assert!((number(&wears["final_wear"]) - 30.206).abs() < 0.01);
+    assert!((number(&wears["peak_pressure"]) - 95.955).abs() < 0.02);
+    assert!((number(&wears["peak_pressure_time"]) - 6.733).abs() < 0.006);
+    assert!((number(&wears["peak_temperature"]) - 543.0).abs() < 5.0);
+    assert_eq!(wears["lyapunov_interval"], wears["contact_time"]);
+    for key in [
+        "class",
+        "period",
+        "spectrum",
+        "lyapunov_second",
+        "divergence",
+        "lyapunov_error",
+    ] {
+        assert_eq!(wears[key], Value::Null, "{key}");
+    }
+    let lasts = point(&["--preset", "paper", "--set", "zeta_k=3.5", "--set", "k_w=0"]);
+    assert_eq!((&lasts["period"], &lasts["class"]), (&2.into(), &"regular".into()));
+    assert!((number(&lasts["lyapunov"]) + 0.0808).abs() < 1e-3);
+    assert_eq!(
+        (&lasts["contact_status"], &lasts["contact_time"]),
+        (&"held".into(), &Value::Null)
+    );
+}
+
+#[test]
+fn a_map_of_wear_is_drawn_and_a_short_transient_is_warned_of() {
+    let folder = TempDir::new().unwrap();
+    let wear = [
+        "map",
+        "--preset",
+        "paper",
+        "--x",
+        "zeta_k=1:4:4",
+        "--y",
+        "k_w=0.01:0.02:3",
+        "--periods",
+        "30",
+        "--out",
+        "w",
+    ];
+    let output = tribochaos(folder.path(), &wear);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stdout).contains("contact: lost"),
+        "{}",
+        text(&output.stdout)
+    );
+    for file in ["w-lyapunov.png", "w-contact_time.png", "w-final_wear.png"] {
+        assert!(folder.path().join(file).exists(), "{file}");
+    }
+    let heat = [
+        "map",
+        "--preset",
+        "paper",
+        "--set",
+        "k_w=0",
+        "--x",
+        "zeta_k=1:4:4",
+        "--y",
+        "gamma=0:2:3",
+        "--dry-run",
+        "--out",
+        "h",
+    ];
+    let short = [&heat[..], &["--transient-periods", "2", "--align-periods", "1"]].concat();
+    assert!(text(&tribochaos(folder.path(), &short).stderr).contains("too short for its heat to settle"));
+    assert!(!text(&tribochaos(folder.path(), &heat).stderr).contains("too short"));
 }
