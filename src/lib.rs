@@ -10,7 +10,7 @@
 //! - [`measurement`]: what is measured of a point, and the classes of motion;
 //! - [`backend`]: batches of instances on the CPU or a GPU;
 //! - [`map`]: measurements over two axes, and the threshold of chaos;
-//! - [`benchmark`]: what a kernel costs and how exact it is;
+//! - [`benchmark`]: points to time kernels on, and how exact they are;
 //! - [`sweep`]: from a grid to measurements, and the audit of maps;
 //! - [`analysis`]: orbits, bifurcation diagrams, sections, exponents over a line, thresholds;
 //! - [`output`]: stores, pictures and tables;

@@ -1,9 +1,8 @@
-//! The standing benchmark: what kernels cost and how exact they are.
+//! The points on which kernels are timed and their accuracy is measured.
 //!
-//! Owns the points that are measured, and both measurements; prints nothing and chooses no kernels.
+//! Owns the points and the measurement of accuracy; the timing is that of `benches/`.
 
 pub mod accuracy;
-pub mod speed;
 
 use crate::experiment::Preset;
 use crate::grid::{Axis, AxisError, Grid};
