@@ -3,6 +3,8 @@
 //! Owns the coefficients of the coupled system and its pointwise laws; the memory of the heat is advanced by the scheme.
 //! Twin: `shaders/model/rubbing.wgsl`.
 
+use std::collections::HashMap;
+
 use super::friction::Friction;
 use super::thermal_modes::ThermalModes;
 use crate::lanes::Real;
@@ -79,6 +81,32 @@ impl<R: Real> Rubbing<R> {
     #[inline(always)]
     pub fn stiffness(&self, x: R) -> R {
         self.minus_three_b.mul_add(x * x, R::splat(1.0))
+    }
+}
+
+/// The spectra of the shafts in a batch, each Biot number's found once: that takes as long as many steps.
+#[derive(Clone, Debug)]
+pub struct Spectra(HashMap<u64, ThermalModes>);
+
+impl Spectra {
+    /// With `modes` heat modes each.
+    pub fn new(instances: &[ParameterSet], modes: usize) -> Self {
+        let mut spectra = HashMap::new();
+        for instance in instances {
+            let biot = instance[Parameter::Biot];
+            spectra
+                .entry(biot.to_bits())
+                .or_insert_with(|| ThermalModes::new(biot, modes));
+        }
+        Self(spectra)
+    }
+
+    /// The heat modes of one of the instances.
+    ///
+    /// # Panics
+    /// If no instance has its Biot number.
+    pub fn heat_modes(&self, instance: &ParameterSet) -> HeatModes {
+        HeatModes::new(instance, &self.0[&instance[Parameter::Biot].to_bits()])
     }
 }
 

@@ -155,10 +155,10 @@ trait Block: Send + Sync + Sized {
     /// Number of instances that a block holds.
     const INSTANCES: usize;
 
-    fn run(settings: &Settings) -> Self::Run;
+    fn run(settings: &Settings, instances: &[ParameterSet]) -> Self::Run;
 
     /// A block of at most [`Block::INSTANCES`] instances; it is filled up with copies of the last one.
-    fn new(settings: &Settings, instances: &[ParameterSet]) -> Self;
+    fn new(run: &Self::Run, settings: &Settings, instances: &[ParameterSet]) -> Self;
 
     /// Whether the transient is [`Block::advance_plain`]'s; it is a function of its own since compilers take much longer
     /// over twice as much in one.
@@ -243,12 +243,11 @@ struct Blocks<I, B: Block> {
 
 impl<I: Instructions, B: Block> Blocks<I, B> {
     fn new(settings: &Settings, instances: &[ParameterSet]) -> Self {
+        let run = B::run(settings, instances);
+        let blocks = instances.chunks(B::INSTANCES);
         Self {
-            run: B::run(settings),
-            blocks: instances
-                .chunks(B::INSTANCES)
-                .map(|chunk| B::new(settings, chunk))
-                .collect(),
+            blocks: blocks.map(|chunk| B::new(&run, settings, chunk)).collect(),
+            run,
             instances: instances.len(),
             instructions: PhantomData,
         }

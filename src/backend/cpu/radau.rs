@@ -12,8 +12,7 @@ use crate::dynamics::tangent::Growth;
 use crate::experiment::Settings;
 use crate::lanes::{Mask, Real};
 use crate::measurement::Contact;
-use crate::model::rubbing::HeatModes;
-use crate::model::thermal_modes::ThermalModes;
+use crate::model::rubbing::Spectra;
 use crate::parameters::{Parameter, ParameterSet};
 
 /// As many instances as the lane type holds.
@@ -31,23 +30,28 @@ pub(super) struct RadauBlock<R: Real> {
 pub(super) struct Run<R> {
     measuring: Measuring,
     control: Control<R>,
+    spectra: Spectra,
 }
 
 impl<R: Real + Send + Sync> Block for RadauBlock<R> {
     type Run = Run<R>;
     const INSTANCES: usize = R::LANES;
 
-    fn run(settings: &Settings) -> Run<R> {
+    fn run(settings: &Settings, instances: &[ParameterSet]) -> Run<R> {
         Run {
             measuring: Measuring::new(settings),
             control: Control::new(settings),
+            spectra: Spectra::new(instances, settings.modes as usize),
         }
     }
 
-    fn new(settings: &Settings, instances: &[ParameterSet]) -> Self {
+    fn new(run: &Run<R>, settings: &Settings, instances: &[ParameterSet]) -> Self {
         let instance = |lane: usize| &instances[lane.min(instances.len() - 1)];
         let lanes = |parameter| R::from_lanes(|lane| instance(lane)[parameter]);
-        let modes = heat_modes(instances, settings.modes as usize);
+        let modes: Vec<_> = instances
+            .iter()
+            .map(|instance| run.spectra.heat_modes(instance))
+            .collect();
         let system = System::new(lanes, |lane| &modes[lane.min(modes.len() - 1)]);
         let orbit = Orbit::start(&system, lanes(Parameter::X0), lanes(Parameter::Y0));
         let count = settings.modes as usize + 1;
@@ -131,22 +135,4 @@ impl<R: Real> RadauBlock<R> {
         self.record.note_under_resolved(|lane| under_resolved.lane(lane) > 0.0);
         self.record.note_runaway_lanes(period, |lane| runaway.lane(lane) > 0.0);
     }
-}
-
-/// Each instance's heat modes; a shaft's spectrum is found once for neighbours of the same Biot number.
-fn heat_modes(instances: &[ParameterSet], count: usize) -> Vec<HeatModes> {
-    let mut last: Option<(f64, ThermalModes)> = None;
-    instances
-        .iter()
-        .map(|instance| {
-            let biot = instance[Parameter::Biot];
-            let modes = match last.take() {
-                Some((known, modes)) if known == biot => modes,
-                _ => ThermalModes::new(biot, count),
-            };
-            let heat = HeatModes::new(instance, &modes);
-            last = Some((biot, modes));
-            heat
-        })
-        .collect()
 }

@@ -35,7 +35,7 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
     const INSTANCES: usize = R::LANES * G;
     const IS_SPLIT: bool = true;
 
-    fn run(settings: &Settings) -> Self::Run {
+    fn run(settings: &Settings, _: &[ParameterSet]) -> Self::Run {
         Run {
             drive: DriveTable::new::<R>(settings.steps_per_period()),
             measuring: Measuring::new(settings),
@@ -43,7 +43,7 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
         }
     }
 
-    fn new(settings: &Settings, instances: &[ParameterSet]) -> Self {
+    fn new(_: &Self::Run, settings: &Settings, instances: &[ParameterSet]) -> Self {
         let instance = |index: usize| &instances[index.min(instances.len() - 1)];
         let steps = f64::from(settings.steps_per_period());
         let h = |index| TAU / (instance(index)[Parameter::Omega0] * steps);

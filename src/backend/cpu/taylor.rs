@@ -25,11 +25,11 @@ impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
     const INSTANCES: usize = 2 * R::LANES;
     const IS_SPLIT: bool = true;
 
-    fn run(settings: &Settings) -> Measuring {
+    fn run(settings: &Settings, _: &[ParameterSet]) -> Measuring {
         Measuring::new(settings)
     }
 
-    fn new(settings: &Settings, instances: &[ParameterSet]) -> Self {
+    fn new(_: &Measuring, settings: &Settings, instances: &[ParameterSet]) -> Self {
         let instance = |index: usize| &instances[index.min(instances.len() - 1)];
         let steps = settings.steps_per_period();
         Self {

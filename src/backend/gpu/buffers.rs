@@ -100,10 +100,6 @@ impl Buffers {
     /// Writes a batch at the beginning of its run. The stroboscope's memory needs no clearing: it reads only what it
     /// has written.
     pub fn fill(&self, context: &GpuContext, settings: &Settings, instances: &[ParameterSet]) {
-        let weights: Vec<f32> = statistics::birkhoff_weights(settings.periods)
-            .into_iter()
-            .map(|weight| weight as f32)
-            .collect();
         let parameters: Vec<Parameters> = instances.iter().map(|set| Parameters::new(set, settings)).collect();
         let orbits: Vec<Orbit> = instances.iter().map(Orbit::start).collect();
         let run = Run::new(settings, instances.len() as u32);
@@ -115,7 +111,7 @@ impl Buffers {
                 &layout::drive_entries(settings.steps_per_period()),
             );
         }
-        write(context, &self.birkhoff_weights, &weights);
+        write(context, &self.birkhoff_weights, &birkhoff_weights(settings));
         write(context, &self.parameters, &parameters);
         write(context, &self.orbits, &orbits);
         let mut encoder = context.device().create_command_encoder(&Default::default());
@@ -139,6 +135,12 @@ impl Buffers {
             encoder.clear_buffer(&self.totals, 0, None);
         })
     }
+}
+
+/// The weights of the Birkhoff average as a device takes them.
+pub fn birkhoff_weights(settings: &Settings) -> Vec<f32> {
+    let weights = statistics::birkhoff_weights(settings.periods);
+    weights.into_iter().map(|weight| weight as f32).collect()
 }
 
 /// Reads `count` elements of a buffer by way of a staging buffer, then does what `after` encodes.

@@ -2,21 +2,17 @@
 //!
 //! Owns the buffers, their filling and their reading back; decides nothing of what is dispatched.
 
-use std::collections::HashMap;
-
 use wgpu::BufferUsages;
 
-use super::super::buffers::{entry, read, write};
+use super::super::buffers::{birkhoff_weights, entry, read, write};
 use super::super::context::GpuContext;
 use super::super::layout::{LAST_STATES_SIZE, Span};
 use super::layout::{self, HeatMode, Orbit, Parameters, Run, Totals, binding};
 use super::pipelines::Pipelines;
 use crate::backend::BackendError;
-use crate::dynamics::statistics;
 use crate::experiment::Settings;
-use crate::model::rubbing::HeatModes;
-use crate::model::thermal_modes::ThermalModes;
-use crate::parameters::{Parameter, ParameterSet};
+use crate::model::rubbing::Spectra;
+use crate::parameters::ParameterSet;
 
 /// Bytes of an instance in the buffer that has most of them.
 pub fn largest_share(modes: u32) -> u64 {
@@ -125,22 +121,14 @@ impl Buffers {
     /// Writes a batch at the beginning of its run. The stroboscope's memory needs no clearing: it reads only what it
     /// has written.
     pub fn fill(&self, context: &GpuContext, settings: &Settings, instances: &[ParameterSet]) {
-        let weights: Vec<f32> = statistics::birkhoff_weights(settings.periods)
-            .into_iter()
-            .map(|weight| weight as f32)
-            .collect();
         let slots = layout::slots(settings.modes);
         let mut heat_modes = vec![HeatMode { rate: 0.0, weight: 0.0 }; slots * instances.len()];
-        let mut spectra = HashMap::new();
+        let spectra = Spectra::new(instances, settings.modes as usize);
         let (parameters, orbits): (Vec<_>, Vec<_>) = instances
             .iter()
             .enumerate()
             .map(|(instance, set)| {
-                let biot = set[Parameter::Biot];
-                let spectrum = spectra
-                    .entry(biot.to_bits())
-                    .or_insert_with(|| ThermalModes::new(biot, settings.modes as usize));
-                let heat = HeatModes::new(set, spectrum);
+                let heat = spectra.heat_modes(set);
                 for slot in 0..slots {
                     heat_modes[slot * instances.len() + instance] = HeatMode {
                         rate: heat.rates[slot] as f32,
@@ -152,7 +140,7 @@ impl Buffers {
             .unzip();
         let run = Run::new(settings, instances.len() as u32);
         write(context, &self.run, &[run]);
-        write(context, &self.birkhoff_weights, &weights);
+        write(context, &self.birkhoff_weights, &birkhoff_weights(settings));
         write(context, &self.parameters, &parameters);
         write(context, &self.heat_modes, &heat_modes);
         write(context, &self.orbits, &orbits);
