@@ -1,8 +1,6 @@
 // What the host and the device share: the structs of src/backend/gpu/layout.rs, held equal by a test, and the bindings.
 // Scalars only, so that both languages lay them out alike.
 
-override WORKGROUP_SIZE: u32;
-
 // What all instances of a batch share.
 struct Run {
     instances: u32,
@@ -11,19 +9,6 @@ struct Run {
     // Measured periods before the stroboscopic window.
     unrecorded: u32,
     period_tolerance: f32,
-}
-
-// The part of a slice that one dispatch carries out.
-struct Span {
-    first_instance: u32,
-    instances: u32,
-    // Index of the first period within its stage.
-    first: u32,
-    periods: u32,
-    // Periods since the start of the run.
-    elapsed: u32,
-    // 1 while everything is summed up, else 0.
-    measured: u32,
 }
 
 // One instance's parameters.

@@ -2,8 +2,6 @@
 // src/backend/gpu/rubbed/layout.rs, held equal by a test, and the bindings. Scalars only, so that both languages lay
 // them out alike. HEAT_MODES, the number of heat modes with the lumped one, is put in front of this file.
 
-override WORKGROUP_SIZE: u32;
-
 // What all instances of a batch share.
 struct Run {
     instances: u32,
@@ -14,19 +12,6 @@ struct Run {
     tolerance: f32,
     // Longest step, in ticks.
     longest: f32,
-}
-
-// The part of a slice that one dispatch carries out.
-struct Span {
-    first_instance: u32,
-    instances: u32,
-    // Index of the first period within its stage.
-    first: u32,
-    periods: u32,
-    // Periods since the start of the run.
-    elapsed: u32,
-    // 1 while everything is summed up, else 0.
-    measured: u32,
 }
 
 // One instance's parameters.

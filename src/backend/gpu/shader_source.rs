@@ -27,6 +27,7 @@ macro_rules! shader {
 
 shader! {
     RK4:
+    "shared/span.wgsl"
     "shared/bindings.wgsl"
     "shared/runaway.wgsl"
     "model/friction.wgsl"
@@ -40,6 +41,7 @@ shader! {
 
 shader! {
     TAYLOR:
+    "shared/span.wgsl"
     "shared/bindings.wgsl"
     "shared/runaway.wgsl"
     "model/friction.wgsl"

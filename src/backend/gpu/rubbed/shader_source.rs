@@ -21,6 +21,7 @@ macro_rules! pieces {
 }
 
 pieces! {
+    "shared/span.wgsl"
     "shared/rubbed_bindings.wgsl"
     "shared/heat_modes.wgsl"
     "shared/runaway.wgsl"

@@ -1,0 +1,16 @@
+// What every kernel is dispatched with: the struct Span of src/backend/gpu/layout.rs, held equal by a test.
+
+override WORKGROUP_SIZE: u32;
+
+// The part of a slice that one dispatch carries out.
+struct Span {
+    first_instance: u32,
+    instances: u32,
+    // Index of the first period within its stage.
+    first: u32,
+    periods: u32,
+    // Periods since the start of the run.
+    elapsed: u32,
+    // 1 while everything is summed up, else 0.
+    measured: u32,
+}
