@@ -248,6 +248,15 @@ impl Preset {
         (name == "paper").then_some(Self::Paper)
     }
 
+    /// The default parameters with the preset's values.
+    pub fn parameters(self) -> ParameterSet {
+        let mut set = ParameterSet::default();
+        for &(parameter, value) in self.values() {
+            set[parameter] = value;
+        }
+        set
+    }
+
     pub fn values(self) -> &'static [(Parameter, f64)] {
         match self {
             Self::Paper => &[

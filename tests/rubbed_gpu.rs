@@ -14,11 +14,7 @@ use tribochaos::parameters::{Parameter, ParameterSet};
 /// The preset of section 5 at this zeta_k, with or without wear.
 fn preset(zeta_k: f64, k_w: f64) -> ParameterSet {
     Preset::Paper
-        .values()
-        .iter()
-        .fold(ParameterSet::default(), |set, &(parameter, value)| {
-            set.with(parameter, value)
-        })
+        .parameters()
         .with(Parameter::ZetaK, zeta_k)
         .with(Parameter::KW, k_w)
 }

@@ -40,16 +40,12 @@ pub fn points(stride: usize) -> Result<Vec<ParameterSet>, AxisError> {
 /// # Errors
 /// As [`grid`].
 pub fn rubbed_points(stride: usize) -> Result<Vec<ParameterSet>, AxisError> {
-    let preset = Preset::Paper.values().iter();
-    let fixed = preset.fold(ParameterSet::default(), |set, &(parameter, value)| {
-        set.with(parameter, value)
-    });
     let grid = Grid {
         axes: vec![
             Axis::new(Parameter::ZetaK, 3.0, 4.5, SIDE)?,
             Axis::new(Parameter::Gamma, 1.0, 1.87, SIDE / 4)?,
         ],
-        fixed: fixed.with(Parameter::KW, 0.0),
+        fixed: Preset::Paper.parameters().with(Parameter::KW, 0.0),
     };
     Ok((0..grid.len()).step_by(stride).map(|index| grid.point(index)).collect())
 }

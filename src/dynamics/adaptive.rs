@@ -12,6 +12,7 @@
 
 use std::f64::consts::TAU;
 
+use super::decay::single;
 use super::dense::Cubic;
 use super::matrix::at_nodes;
 use super::radau::{self, Drive, ERROR_WEIGHT, Heat, Memory, ModeStep, NODES, Perturbation, Start, Trial};
@@ -721,7 +722,7 @@ fn advanced<R: Real>(step: &ModeStep<R>, mode: R, flux: [R; 3]) -> R {
 /// How far below zero a pressure counts as zero: p is a difference of numbers of the size of the worn depth.
 #[inline(always)]
 fn contact_tolerance<R: Real>(fit: R) -> R {
-    let unit = if size_of::<R::Scalar>() == 4 { 4e-6 } else { 1e-6 };
+    let unit = if single::<R>() { 4e-6 } else { 1e-6 };
     R::splat(unit) * (fit.abs() + R::splat(1.0))
 }
 
@@ -730,7 +731,7 @@ fn contact_tolerance<R: Real>(fit: R) -> R {
 fn rotation<R: Real>(angle: R) -> (R, R) {
     let square = angle * angle;
     let one = R::splat(1.0);
-    let terms = if size_of::<R::Scalar>() == 4 { 4 } else { 7 };
+    let terms = if single::<R>() { 4 } else { 7 };
     let (mut sine, mut versine) = (one, one);
     for n in (1..terms).rev() {
         let k = f64::from(2 * n);

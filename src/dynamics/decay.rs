@@ -31,7 +31,7 @@ impl<R: Real> Decay<R> {
 
 /// Whether the lane type is single precision, which needs fewer terms.
 #[inline(always)]
-fn single<R: Real>() -> bool {
+pub(super) fn single<R: Real>() -> bool {
     size_of::<R::Scalar>() == 4
 }
 

@@ -4,7 +4,6 @@
 //! that end where v crosses a boundary of the friction layer, located to rounding. Shares neither the friction table nor
 //! the steps of the fast schemes, which it checks.
 
-use std::f64::consts::TAU;
 
 use crate::parameters::{Parameter, ParameterSet};
 
@@ -66,7 +65,7 @@ impl ReferenceOrbit {
 
     /// Carries the orbit over one forcing period.
     pub fn period(&mut self) {
-        let period = TAU / self.parameters[Parameter::Omega0];
+        let period = self.parameters.forcing_period();
         let whole = period / f64::from(STEPS_PER_PERIOD);
         let s = &self.state;
         let mut at: Vector = [s.x, s.y, s.vector[0], s.vector[1], s.divergence];

@@ -65,11 +65,8 @@ impl Work {
 
 /// The parameters of the paper's section 5, with the three that its curves differ in.
 fn curve_at(zeta_k: f64, gamma: f64, k_w: f64) -> ParameterSet {
-    let preset = Preset::Paper.values().iter();
-    preset
-        .fold(ParameterSet::default(), |set, &(parameter, value)| {
-            set.with(parameter, value)
-        })
+    Preset::Paper
+        .parameters()
         .with(Parameter::ZetaK, zeta_k)
         .with(Parameter::Gamma, gamma)
         .with(Parameter::KW, k_w)

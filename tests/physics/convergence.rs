@@ -13,13 +13,7 @@ use tribochaos::parameters::{Parameter, ParameterSet};
 const POINTS: u32 = 97;
 
 fn points(k_w: f64) -> Vec<ParameterSet> {
-    let set = Preset::Paper
-        .values()
-        .iter()
-        .fold(ParameterSet::default(), |set, &(parameter, value)| {
-            set.with(parameter, value)
-        })
-        .with(Parameter::KW, k_w);
+    let set = Preset::Paper.parameters().with(Parameter::KW, k_w);
     (0..POINTS)
         .map(|i| set.with(Parameter::ZetaK, 12.0 * f64::from(i) / f64::from(POINTS - 1)))
         .collect()

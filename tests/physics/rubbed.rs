@@ -20,13 +20,7 @@ use crate::thermal_oracle::{Case, finite_volume, preset, volterra};
 
 /// Section 5 of the paper, as reconstructed.
 fn paper(zeta_k: f64) -> ParameterSet {
-    let set = Preset::Paper
-        .values()
-        .iter()
-        .fold(ParameterSet::default(), |set, &(parameter, value)| {
-            set.with(parameter, value)
-        });
-    set.with(Parameter::ZetaK, zeta_k)
+    Preset::Paper.parameters().with(Parameter::ZetaK, zeta_k)
 }
 
 fn measure(precision: Precision, settings: &Settings, instances: &[ParameterSet]) -> Vec<Measurement> {
