@@ -4,7 +4,6 @@
 //! that end where v crosses a boundary of the friction layer, located to rounding. Shares neither the friction table nor
 //! the steps of the fast schemes, which it checks.
 
-
 use crate::parameters::{Parameter, ParameterSet};
 
 /// Steps of a forcing period, besides those that end at boundaries.

@@ -1,0 +1,122 @@
+//! The experiment: what is computed, validated and fully resolved, and its TOML form.
+//!
+//! Owns the numerical settings with their defaults and limits; opens no file and computes nothing.
+
+mod preset;
+mod request;
+mod settings;
+mod warnings;
+
+pub use preset::Preset;
+pub use request::Request;
+pub use settings::{BackendChoice, InitialBox, MAX_MODES, MIN_EPSILON_0_F32, Precision, Scheme, Settings};
+
+use crate::grid::{AxisError, Grid};
+use crate::parameters::{PARAMETERS, Parameter, ParameterError};
+
+/// A validated, fully resolved experiment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Experiment {
+    pub grid: Grid,
+    pub settings: Settings,
+}
+
+impl Experiment {
+    /// The parameters that are not an axis, in the table's order.
+    pub fn fixed_parameters(&self) -> impl Iterator<Item = (Parameter, f64)> + '_ {
+        PARAMETERS
+            .iter()
+            .map(|info| info.parameter)
+            .filter(|parameter| self.grid.axes.iter().all(|axis| axis.parameter != *parameter))
+            .map(|parameter| (parameter, self.grid.fixed[parameter]))
+    }
+
+    /// Least and greatest value of a parameter over the grid.
+    pub fn extent(&self, parameter: Parameter) -> (f64, f64) {
+        match self.grid.axes.iter().find(|axis| axis.parameter == parameter) {
+            Some(axis) => (axis.start.min(axis.stop), axis.start.max(axis.stop)),
+            None => (self.grid.fixed[parameter], self.grid.fixed[parameter]),
+        }
+    }
+
+    /// Whether there is frictional heat or wear anywhere in the grid: the pressure is then no constant.
+    pub fn is_rubbed(&self) -> bool {
+        self.extent(Parameter::Gamma).1 > 0.0 || self.extent(Parameter::KW).1 > 0.0
+    }
+
+    /// Whether the contact wears anywhere in the grid.
+    pub fn wears(&self) -> bool {
+        self.extent(Parameter::KW).1 > 0.0
+    }
+
+    /// Whether f32 can carry the experiment.
+    ///
+    /// # Errors
+    /// If the friction layer is thinner than [`MIN_EPSILON_0_F32`] somewhere in the grid.
+    pub fn check_f32(&self) -> Result<(), ExperimentError> {
+        let value = self.extent(Parameter::Epsilon0).0;
+        if value < MIN_EPSILON_0_F32 {
+            return Err(ExperimentError::LayerTooThinForF32 { value });
+        }
+        Ok(())
+    }
+
+    /// The experiment as TOML; [`Request::from_toml`] reads it back. Only maps have a file form.
+    ///
+    /// # Panics
+    /// If the experiment has not two axes.
+    pub fn to_toml(&self) -> String {
+        let [x, y] = self.grid.axes[..] else {
+            panic!("an experiment file describes two axes")
+        };
+        let request = Request {
+            out: None,
+            x,
+            y,
+            set: self
+                .fixed_parameters()
+                .map(|(parameter, value)| (parameter.name().to_owned(), value))
+                .collect(),
+            settings: self.settings.clone(),
+        };
+        toml::to_string(&request).expect("a request has a TOML form")
+    }
+}
+
+#[derive(Debug, thiserror::Error)]
+pub enum ExperimentError {
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    #[error(transparent)]
+    Axis(#[from] AxisError),
+    #[error("{name} = {value} is out of range: it must be from {min} to {max}")]
+    Setting {
+        name: &'static str,
+        value: f64,
+        min: f64,
+        max: f64,
+    },
+    #[error("the initial box of {name} runs from {low} down to {high}: give the lower end first")]
+    InitialBox { name: &'static str, low: f64, high: f64 },
+    #[error("both axes are {name}: give x and y different parameters")]
+    SameAxes { name: &'static str },
+    #[error("{name} is an axis and set to a value as well: leave one of the two out")]
+    SetAxis { name: &'static str },
+    #[error(
+        "the scheme {scheme} holds the contact pressure at 1 and knows neither frictional heat nor wear: leave --scheme out, \
+         or set gamma = 0 and k_w = 0"
+    )]
+    SchemeWithoutHeat { scheme: &'static str },
+    #[error("a GPU integrates in f32: leave --precision f64 out, or use --backend cpu")]
+    GpuF64,
+    #[error(
+        "epsilon_0 = {value} is too thin a friction layer for f32 (least: {MIN_EPSILON_0_F32}): \
+         use --backend cpu --precision f64"
+    )]
+    LayerTooThinForF32 { value: f64 },
+    #[error("no experiment in TOML: {0}")]
+    Toml(#[from] toml::de::Error),
+}
+
+#[cfg(test)]
+mod tests;

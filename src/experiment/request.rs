@@ -1,0 +1,117 @@
+//! A request for a map as it is written in a file, and its resolution.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::{BackendChoice, Experiment, ExperimentError, Precision, Settings};
+use crate::grid::{Axis, Grid};
+use crate::parameters::{Parameter, ParameterSet};
+
+/// A request as it is written in a file: everything may be left out. [`Request::resolve`] makes it an
+/// [`Experiment`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Request {
+    /// Where results go: the path all output names begin with. Not part of the experiment.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub out: Option<PathBuf>,
+    /// Horizontal axis (zeta_k = 0..12, 300 values).
+    pub x: Axis,
+    /// Vertical axis (h1 = 0..2, 201 values).
+    pub y: Axis,
+    /// Values of parameters that are no axis.
+    #[serde(deserialize_with = "named_values")]
+    pub set: BTreeMap<String, f64>,
+    pub settings: Settings,
+}
+
+/// Parameter names are checked here, so that a misspelt one is reported with a suggestion.
+fn named_values<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, f64>, D::Error> {
+    let values = BTreeMap::<String, f64>::deserialize(deserializer)?;
+    for name in values.keys() {
+        Parameter::from_name(name).map_err(serde::de::Error::custom)?;
+    }
+    Ok(values)
+}
+
+impl Default for Request {
+    fn default() -> Self {
+        Self {
+            out: None,
+            x: Axis {
+                parameter: Parameter::ZetaK,
+                start: 0.0,
+                stop: 12.0,
+                count: 300,
+            },
+            y: Axis {
+                parameter: Parameter::H1,
+                start: 0.0,
+                stop: 2.0,
+                count: 201,
+            },
+            set: BTreeMap::new(),
+            settings: Settings::default(),
+        }
+    }
+}
+
+impl Request {
+    /// # Errors
+    /// If the text is no TOML, has an unknown key, or a value of the wrong type.
+    pub fn from_toml(text: &str) -> Result<Self, ExperimentError> {
+        Ok(toml::from_str(text)?)
+    }
+
+    /// The map that the request asks for.
+    ///
+    /// # Errors
+    /// If a value is out of its range, the axes are the same parameter, or a set parameter is an axis.
+    pub fn resolve(&self) -> Result<Experiment, ExperimentError> {
+        for axis in [&self.x, &self.y] {
+            axis.check()?;
+        }
+        if self.x.parameter == self.y.parameter {
+            return Err(ExperimentError::SameAxes {
+                name: self.x.parameter.name(),
+            });
+        }
+        self.resolve_over(vec![self.x, self.y])
+    }
+
+    /// The one point that the request's `set` names; its axes are left aside.
+    ///
+    /// # Errors
+    /// As [`Request::resolve`].
+    pub fn resolve_point(&self) -> Result<Experiment, ExperimentError> {
+        self.resolve_over(Vec::new())
+    }
+
+    /// The points over any axes, which must have been checked; the request's own are left aside.
+    ///
+    /// # Errors
+    /// As [`Request::resolve`].
+    pub fn resolve_over(&self, axes: Vec<Axis>) -> Result<Experiment, ExperimentError> {
+        let mut fixed = ParameterSet::default();
+        for (name, &value) in &self.set {
+            let parameter = Parameter::from_name(name)?;
+            if axes.iter().any(|axis| axis.parameter == parameter) {
+                return Err(ExperimentError::SetAxis { name: parameter.name() });
+            }
+            parameter.check(value)?;
+            fixed[parameter] = value;
+        }
+        let mut experiment = Experiment {
+            grid: Grid { axes, fixed },
+            settings: self.settings.clone(),
+        };
+        experiment.settings = self.settings.for_model(experiment.is_rubbed())?;
+        experiment.settings.check()?;
+        if experiment.settings.precision == Some(Precision::F32) || experiment.settings.backend == BackendChoice::Gpu {
+            experiment.check_f32()?;
+        }
+        Ok(experiment)
+    }
+}

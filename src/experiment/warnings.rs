@@ -1,0 +1,74 @@
+//! What the user should know of an experiment before it runs.
+
+use std::f64::consts::TAU;
+
+use super::{Experiment, Precision, Scheme};
+use crate::model::thermal_modes;
+use crate::parameters::Parameter;
+
+/// The heat has settled where the slowest mode has decayed by e to this power.
+const SETTLED: f64 = 10.0;
+
+impl Experiment {
+    /// What the user should know before a long run, each a sentence.
+    pub fn warnings(&self) -> Vec<String> {
+        match self.settings.scheme() {
+            // its steps shorten themselves, and where they cannot, the point is under-resolved
+            Scheme::Taylor => Vec::new(),
+            Scheme::Rk4 => self.fixed_step_warnings(),
+            Scheme::Radau => self.settling_warning().into_iter().collect(),
+        }
+    }
+
+    fn fixed_step_warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let steps_per_period = self.settings.steps_per_period();
+        // RK4 is stable where (decay rate)*(step) is below 2.785; the layer's decay rate is eps*F0*2/eps0.
+        let rate =
+            self.extent(Parameter::Epsilon).1 * self.extent(Parameter::F0).1 * 2.0 / self.extent(Parameter::Epsilon0).0;
+        let step = TAU / (self.extent(Parameter::Omega0).0 * f64::from(steps_per_period));
+        if rate * step > 2.785 {
+            let enough = (f64::from(steps_per_period) * rate * step / 2.0).ceil();
+            warnings.push(format!(
+                "the step is too long for the friction layer (rate {rate:.3} x step {step:.3e} is above 2.785, RK4's \
+                 limit of stability): sticking will be wrong; use --steps-per-period {enough} or more"
+            ));
+        }
+        // between two renormalisations the second tangent vector shrinks against the first by up to this exponent
+        let every = self.settings.renormalise_every.min(steps_per_period);
+        let shrinkage = rate * step * f64::from(every);
+        let digits = match self.settings.precision {
+            Some(Precision::F64) => -f64::EPSILON.ln(),
+            Some(Precision::F32) | None => -f64::from(f32::EPSILON).ln(),
+        };
+        if shrinkage > digits {
+            let enough = (f64::from(every) * 0.5 * digits / shrinkage).floor().max(1.0);
+            warnings.push(format!(
+                "between two renormalisations the friction layer may turn both tangent vectors into one direction, and the \
+                 second exponent is lost: use --renormalise-every {enough}"
+            ));
+        }
+        warnings
+    }
+
+    /// Whether the transient is long enough for the shaft to warm through where its heat is to reach a steady state: without
+    /// wear. The slowest heat mode decays at the rate mu_1^2 omega-tilde.
+    fn settling_warning(&self) -> Option<String> {
+        if self.extent(Parameter::Gamma).1 == 0.0 || self.extent(Parameter::KW).0 > 0.0 {
+            return None;
+        }
+        let (biot, omega_tilde) = (self.extent(Parameter::Biot).0, self.extent(Parameter::OmegaTilde).0);
+        let slowest = thermal_modes::roots(biot, 1)[0].powi(2) * omega_tilde;
+        let period = TAU / self.extent(Parameter::Omega0).1;
+        let transient = f64::from(self.settings.transient_periods) * period;
+        (slowest * transient < SETTLED).then(|| {
+            let enough = (SETTLED / (slowest * period)).ceil();
+            format!(
+                "the shaft warms through in about {:.3} tau (1/(mu_1^2 omega_tilde), at biot = {biot} and omega_tilde = \
+                 {omega_tilde}), and the transient of {transient:.4} tau is too short for its heat to settle: use \
+                 --transient-periods {enough} or more",
+                1.0 / slowest
+            )
+        })
+    }
+}
