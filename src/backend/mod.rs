@@ -52,6 +52,8 @@ pub struct Sums {
 pub struct EndState {
     pub x: f64,
     pub y: f64,
+    /// The first tangent vector (X, Y), of length 1. NaN with heat or wear, whose tangent space has more dimensions.
+    pub tangent: [f64; 2],
     pub x_min: f64,
     pub x_max: f64,
     /// Candidates for the period; see [`stroboscope::period`].
@@ -78,6 +80,14 @@ pub trait Backend {
     /// # Errors
     /// If the device cannot hold the batch or is lost.
     fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError>;
+
+    /// Turns the first tangent vectors to these directions, of length 1, in the order of `load`; the second ones stand
+    /// across. Without it the first ones begin as (1, 0). With the states as initial states of the instances, a run whose
+    /// contact pressure is constant goes on as if it had not been interrupted.
+    ///
+    /// # Errors
+    /// As [`Backend::load`]; and with heat or wear, whose tangent space has more dimensions.
+    fn set_tangents(&mut self, tangents: &[[f64; 2]]) -> Result<(), BackendError>;
 
     /// Carries the batch on by a slice. Slices of one stage come in order and without gaps.
     ///
@@ -111,6 +121,13 @@ pub enum BackendError {
     Unsupported(String),
     #[error("the GPU refused a command, which is an error of this program; please report it: {0}")]
     Internal(String),
+}
+
+impl BackendError {
+    /// Why no tangent vectors can be set where there is heat or wear.
+    fn tangents_with_heat() -> Self {
+        Self::Unsupported("tangent vectors with heat or wear are more than a direction in (x, y)".to_owned())
+    }
 }
 
 /// Longest slice, so that progress shows and a run can be cancelled.

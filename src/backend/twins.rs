@@ -154,6 +154,9 @@ mod tests {
                     .collect();
                 self.0.load(settings, &bent)
             }
+            fn set_tangents(&mut self, tangents: &[[f64; 2]]) -> Result<(), BackendError> {
+                self.0.set_tangents(tangents)
+            }
             fn advance(&mut self, slice: &Slice) -> Result<(), BackendError> {
                 self.0.advance(slice)
             }

@@ -31,11 +31,19 @@ pub struct Growth<R> {
 impl<R: Real> Bases<R> {
     /// The paper's start: (1, 0) and (0, 1).
     pub fn start() -> Self {
-        let (zero, one) = (R::splat(0.0), R::splat(1.0));
-        Self {
-            first: Vector { x: one, y: zero },
-            second: Vector { x: zero, y: one },
-        }
+        Self::along(Vector {
+            x: R::splat(1.0),
+            y: R::splat(0.0),
+        })
+    }
+
+    /// A vector of length 1, and the one across it.
+    pub fn along(first: Vector<R>) -> Self {
+        let second = Vector {
+            x: -first.y,
+            y: first.x,
+        };
+        Self { first, second }
     }
 
     /// Orthonormalises by Gram and Schmidt (3.5); returns the norms' logarithms, the summands of (3.6).
@@ -57,6 +65,19 @@ impl<R: Real> Bases<R> {
 }
 
 impl<R: Real> Vector<R> {
+    /// The vector with (X, Y) in each lane.
+    pub fn from_lanes(vector: impl Fn(usize) -> [f64; 2]) -> Self {
+        Self {
+            x: R::from_lanes(|lane| vector(lane)[0]),
+            y: R::from_lanes(|lane| vector(lane)[1]),
+        }
+    }
+
+    /// (X, Y) of a lane.
+    pub fn lane(self, lane: usize) -> [f64; 2] {
+        [self.x.lane(lane), self.y.lane(lane)]
+    }
+
     /// Y', the second row of (3.3); X' is Y.
     #[inline(always)]
     pub fn rate(self, motion: &Linearised<R>) -> R {

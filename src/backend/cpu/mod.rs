@@ -113,6 +113,10 @@ impl Backend for CpuBackend {
         Ok(())
     }
 
+    fn set_tangents(&mut self, tangents: &[[f64; 2]]) -> Result<(), BackendError> {
+        self.batch().set_tangents(tangents)
+    }
+
     fn advance(&mut self, slice: &Slice) -> Result<(), BackendError> {
         self.batch().advance(slice);
         Ok(())
@@ -143,6 +147,7 @@ fn batch<I: Instructions, V: Real + Send + Sync + 'static>(
 
 /// A batch of any scheme and lane type.
 trait Batch: Send {
+    fn set_tangents(&mut self, tangents: &[[f64; 2]]) -> Result<(), BackendError>;
     fn advance(&mut self, slice: &Slice);
     fn collect(&mut self) -> Vec<Sums>;
     fn end_states(&self) -> Vec<EndState>;
@@ -159,6 +164,12 @@ trait Block: Send + Sync + Sized {
 
     /// A block of at most [`Block::INSTANCES`] instances; it is filled up with copies of the last one.
     fn new(run: &Self::Run, settings: &Settings, instances: &[ParameterSet]) -> Self;
+
+    /// Turns the first tangent vectors to what `tangent` gives for each instance, also those that fill the block up.
+    ///
+    /// # Errors
+    /// If the tangent space has more than two dimensions.
+    fn set_tangents(&mut self, tangent: impl Fn(usize) -> [f64; 2]) -> Result<(), BackendError>;
 
     /// Whether the transient is [`Block::advance_plain`]'s; it is a function of its own since compilers take much longer
     /// over twice as much in one.
@@ -261,6 +272,12 @@ impl<I: Instructions, B: Block> Blocks<I, B> {
 }
 
 impl<I: Instructions, B: Block> Batch for Blocks<I, B> {
+    fn set_tangents(&mut self, tangents: &[[f64; 2]]) -> Result<(), BackendError> {
+        let last = tangents.len() - 1;
+        let mut blocks = self.blocks.iter_mut().zip((0..).step_by(B::INSTANCES));
+        blocks.try_for_each(|(block, first)| block.set_tangents(|index| tangents[(first + index).min(last)]))
+    }
+
     fn advance(&mut self, slice: &Slice) {
         let run = &self.run;
         let advance = if B::IS_SPLIT && slice.stage == Stage::Transient {

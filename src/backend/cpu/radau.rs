@@ -3,7 +3,7 @@
 //! Owns the loop over forcing periods and what is made of each; the steps within are [`adaptive`]'s. Compiled for each
 //! instruction set by its caller.
 
-use super::super::{EndState, Slice, Stage, Sums};
+use super::super::{BackendError, EndState, Slice, Stage, Sums};
 use super::Block;
 use super::record::{Measuring, Record};
 use crate::dynamics::adaptive::{Control, Orbit, Peaks, Scratch, System, Tangent};
@@ -66,6 +66,10 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
         }
     }
 
+    fn set_tangents(&mut self, _: impl Fn(usize) -> [f64; 2]) -> Result<(), BackendError> {
+        Err(BackendError::tangents_with_heat())
+    }
+
     #[inline(always)]
     fn advance(&mut self, run: &Run<R>, slice: &Slice) {
         let measured = slice.stage == Stage::Measure;
@@ -110,7 +114,9 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
                 final_wear: self.orbit.wear(&self.system).lane(index),
                 peak_temperature: self.peaks.temperature.lane(index),
             },
-            ..self.record.end_state(index, self.orbit.x.lane(index), y)
+            ..self
+                .record
+                .end_state(index, [self.orbit.x.lane(index), y], [f64::NAN; 2])
         }
     }
 }

@@ -131,11 +131,12 @@ impl<R: Real> Record<R> {
         }
     }
 
-    /// The lane's record, with its state (x, y).
-    pub fn end_state(&self, lane: usize, x: f64, y: f64) -> EndState {
+    /// The lane's record, with its state (x, y) and its first tangent vector.
+    pub fn end_state(&self, lane: usize, [x, y]: [f64; 2], tangent: [f64; 2]) -> EndState {
         EndState {
             x,
             y,
+            tangent,
             x_min: self.x_min.lane(lane),
             x_max: self.x_max.lane(lane),
             candidates: self.stroboscopes[lane].candidates(),

@@ -4,12 +4,12 @@
 
 use std::f64::consts::TAU;
 
-use super::super::{EndState, Slice, Stage, Sums};
+use super::super::{BackendError, EndState, Slice, Stage, Sums};
 use super::Block;
 use super::record::{Measuring, Record};
 use crate::dynamics::drive::DriveTable;
 use crate::dynamics::rk4::{self, StageSpeeds, State, StepSize};
-use crate::dynamics::tangent::{Bases, Growth};
+use crate::dynamics::tangent::{Bases, Growth, Vector};
 use crate::experiment::Settings;
 use crate::lanes::{Real, Wide};
 use crate::model::motion::Motion;
@@ -57,6 +57,13 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
         }
     }
 
+    fn set_tangents(&mut self, tangent: impl Fn(usize) -> [f64; 2]) -> Result<(), BackendError> {
+        for (group, first) in self.groups.iter_mut().zip((0..).step_by(R::LANES)) {
+            group.bases = Bases::along(Vector::from_lanes(|lane| tangent(first + lane)));
+        }
+        Ok(())
+    }
+
     #[inline(always)]
     fn advance_plain(&mut self, run: &Self::Run, slice: &Slice) {
         for n in 0..slice.periods {
@@ -99,8 +106,8 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
 
     fn end_state(&self, index: usize) -> EndState {
         let (group, lane) = (&self.groups[index / R::LANES], index % R::LANES);
-        let State { x, y } = group.state;
-        group.record.end_state(lane, x.lane(lane), y.lane(lane))
+        let state = [group.state.x, group.state.y].map(|value| value.lane(lane));
+        group.record.end_state(lane, state, group.bases.first.lane(lane))
     }
 }
 

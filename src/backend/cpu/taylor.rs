@@ -3,7 +3,7 @@
 //! Owns the loops over forcing periods and passes, in which every lane takes a step of its own length; lanes meet at the
 //! end of a period. Compiled for each instruction set by its caller.
 
-use super::super::{EndState, Slice, Stage, Sums};
+use super::super::{BackendError, EndState, Slice, Stage, Sums};
 use super::Block;
 use super::record::{Measuring, Record};
 use crate::dynamics::tangent::{Growth, Vector};
@@ -36,6 +36,13 @@ impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
             flow: flow(instance, steps),
             groups: std::array::from_fn(|group| Group::new(|lane| instance(group * R::LANES + lane), steps)),
         }
+    }
+
+    fn set_tangents(&mut self, tangent: impl Fn(usize) -> [f64; 2]) -> Result<(), BackendError> {
+        for (group, first) in self.groups.iter_mut().zip((0..).step_by(R::LANES)) {
+            group.vector = Vector::from_lanes(|lane| tangent(first + lane));
+        }
+        Ok(())
     }
 
     #[inline(always)]
@@ -78,7 +85,8 @@ impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
 
     fn end_state(&self, index: usize) -> EndState {
         let (group, lane) = (&self.groups[index / R::LANES], index % R::LANES);
-        group.record.end_state(lane, group.x.lane(lane), group.y.lane(lane))
+        let state = [group.x, group.y].map(|value| value.lane(lane));
+        group.record.end_state(lane, state, group.vector.lane(lane))
     }
 }
 

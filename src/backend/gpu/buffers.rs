@@ -129,6 +129,16 @@ impl Buffers {
         read(context, &self.orbits, &self.staging, count, |_| ())
     }
 
+    /// Turns the tangent vectors of the first instances: the first ones to these, the second ones across.
+    pub fn set_tangents(&self, context: &GpuContext, tangents: &[[f64; 2]]) -> Result<(), BackendError> {
+        let mut orbits = self.read_orbits(context, tangents.len())?;
+        for (orbit, tangent) in orbits.iter_mut().zip(tangents) {
+            orbit.turn(*tangent);
+        }
+        write(context, &self.orbits, &orbits);
+        context.check()
+    }
+
     /// The totals of the first `count` instances, which begin at zero again.
     pub fn take_totals(&self, context: &GpuContext, count: usize) -> Result<Vec<Totals>, BackendError> {
         read(context, &self.totals, &self.staging, count, |encoder| {

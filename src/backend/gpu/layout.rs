@@ -10,7 +10,7 @@ use bytemuck::{Pod, Zeroable};
 use crate::backend::{EndState, Sums};
 use crate::dynamics::drive::DriveTable;
 use crate::dynamics::stroboscope::{self, MAX_PERIOD};
-use crate::dynamics::tangent::Bases;
+use crate::dynamics::tangent::{Bases, Vector};
 use crate::dynamics::taylor;
 use crate::experiment::{Scheme, Settings};
 use crate::measurement::Contact;
@@ -149,6 +149,17 @@ impl Orbit {
             under_resolved: 0,
         }
     }
+
+    /// Turns the first tangent vector to `tangent`, and the second across.
+    pub fn turn(&mut self, [x, y]: [f64; 2]) {
+        let vector = Vector {
+            x: x as f32,
+            y: y as f32,
+        };
+        let Bases { first, second } = Bases::along(vector);
+        (self.first_x, self.first_y) = (first.x, first.y);
+        (self.second_x, self.second_y) = (second.x, second.y);
+    }
 }
 
 impl From<Orbit> for EndState {
@@ -156,6 +167,7 @@ impl From<Orbit> for EndState {
         Self {
             x: orbit.x.into(),
             y: orbit.y.into(),
+            tangent: [orbit.first_x.into(), orbit.first_y.into()],
             x_min: orbit.x_min.into(),
             x_max: orbit.x_max.into(),
             candidates: orbit.candidates,

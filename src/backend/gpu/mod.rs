@@ -181,6 +181,13 @@ impl Backend for GpuBackend {
         self.context.check()
     }
 
+    fn set_tangents(&mut self, tangents: &[[f64; 2]]) -> Result<(), BackendError> {
+        if self.is_rubbed {
+            return Err(BackendError::tangents_with_heat());
+        }
+        self.buffers().set_tangents(&self.context, tangents)
+    }
+
     fn advance(&mut self, slice: &Slice) -> Result<(), BackendError> {
         if let Some(rubbed) = self.rubbed.as_mut().filter(|_| self.is_rubbed) {
             return rubbed.advance(&self.context, slice);

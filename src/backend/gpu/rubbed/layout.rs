@@ -202,6 +202,7 @@ impl Orbit {
             x: self.x.into(),
             // the drive's phase is 0
             y: set[Parameter::OmegaK] - f64::from(self.v),
+            tangent: [f64::NAN; 2],
             x_min: self.x_min.into(),
             x_max: self.x_max.into(),
             candidates: self.candidates,
