@@ -1,0 +1,186 @@
+//! From what a backend has summed up of an instance to its measurement.
+//!
+//! Owns the evaluation; carries nothing on.
+
+use super::{EndState, Sums};
+use crate::dynamics::{statistics, stroboscope};
+use crate::experiment::Settings;
+use crate::measurement::{BackendKind, CONSTANT_GROWTH, Class, Cycle, DEFECT_BOUND, Measurement, Status};
+use crate::parameters::{Parameter, ParameterSet};
+
+/// One instance's growth over the whole measurement, in f64.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Growth {
+    /// Length in periods, and growth of the first vector, of each batch.
+    batches: Vec<(f64, f64)>,
+    /// The same of the second vector.
+    second_batches: Vec<(f64, f64)>,
+    total: Sums,
+}
+
+impl Growth {
+    pub fn add(&mut self, periods: f64, sums: &Sums) {
+        self.batches.push((periods, sums.growth[0]));
+        self.second_batches.push((periods, sums.growth[1]));
+        self.total.growth[0] += sums.growth[0];
+        self.total.growth[1] += sums.growth[1];
+        self.total.birkhoff += sums.birkhoff;
+        self.total.divergence += sums.divergence;
+    }
+
+    /// Growth per period over the whole batches in the last `periods`, at least one.
+    fn rate_over_last(&self, periods: u32) -> f64 {
+        let mut sum = (0.0, 0.0);
+        for batch in self.batches.iter().rev() {
+            if sum.0 > 0.0 && sum.0 + batch.0 > f64::from(periods) {
+                break;
+            }
+            sum = (sum.0 + batch.0, sum.1 + batch.1);
+        }
+        sum.1 / sum.0
+    }
+
+    pub fn measurement(
+        &self,
+        parameters: &ParameterSet,
+        settings: &Settings,
+        end: &EndState,
+        backend: BackendKind,
+    ) -> Measurement {
+        let period_time = parameters.forcing_period();
+        if let Some(period) = end.runaway_period {
+            return Measurement::runaway(f64::from(period) * period_time, backend);
+        }
+        if settings.scheme().carries_heat() {
+            return self.rubbed_measurement(parameters, settings, end, backend);
+        }
+        let time = f64::from(settings.periods) * period_time;
+        let [lyapunov, lyapunov_second] = statistics::exponents(self.total.growth.map(|growth| growth / time));
+        let measurement = self.lasting_measurement(parameters, settings, end, backend, lyapunov);
+        let measurement = Measurement {
+            lyapunov_second,
+            lyapunov_second_error: statistics::standard_error(&self.second_batches) / period_time,
+            divergence: self.total.divergence / time,
+            ..measurement
+        };
+        // written so that NaN fails
+        let resolved = measurement.divergence_defect().abs() <= DEFECT_BOUND * (1.0 + measurement.divergence.abs());
+        checked(measurement, resolved && !end.under_resolved)
+    }
+
+    /// The measurement of a motion that lasts, given its maximal exponent.
+    fn lasting_measurement(
+        &self,
+        parameters: &ParameterSet,
+        settings: &Settings,
+        end: &EndState,
+        backend: BackendKind,
+        lyapunov: f64,
+    ) -> Measurement {
+        let period_time = parameters.forcing_period();
+        let lyapunov_error = statistics::standard_error(&self.batches) / period_time;
+        let lyapunov_birkhoff = self.total.birkhoff / period_time;
+        let window = stroboscope::window(settings.periods);
+        let cycle = stroboscope::period(end.candidates, window).map(|period| Cycle {
+            period,
+            growth_rate: self.rate_over_last(window) / period_time,
+        });
+        let class = Class::of(lyapunov, lyapunov_error, cycle, lyapunov_birkhoff);
+        Measurement {
+            status: Status::Ok,
+            class: Some(class),
+            lyapunov,
+            lyapunov_error,
+            lyapunov_second: f64::NAN,
+            lyapunov_second_error: f64::NAN,
+            divergence: f64::NAN,
+            lyapunov_birkhoff,
+            lyapunov_interval: f64::from(settings.periods) * period_time,
+            period: cycle
+                .filter(|cycle| {
+                    class == Class::Regular && reached(cycle, lyapunov, lyapunov_error, settings, period_time)
+                })
+                .map(|cycle| cycle.period),
+            x: end.x,
+            y: end.y,
+            x_min: end.x_min,
+            x_max: end.x_max,
+            chaotic_fraction: f64::from(u8::from(class == Class::Chaotic)),
+            attractors: 1,
+            contact: end.contact,
+            backend,
+            initial_state: [parameters[Parameter::X0], parameters[Parameter::Y0]],
+        }
+    }
+
+    /// The measurement of a motion with frictional heat or wear. One tangent vector is carried, and with wear the motion
+    /// is a transient: it has an exponent of finite time and no class.
+    fn rubbed_measurement(
+        &self,
+        parameters: &ParameterSet,
+        settings: &Settings,
+        end: &EndState,
+        backend: BackendKind,
+    ) -> Measurement {
+        let time = f64::from(settings.periods) * parameters.forcing_period();
+        let growth = self.total.growth[0];
+        if !parameters.wears() {
+            let measurement = self.lasting_measurement(parameters, settings, end, backend, growth / time);
+            return checked(measurement, !end.under_resolved);
+        }
+        let interval = end.contact.lost.unwrap_or(time);
+        let measurement = Measurement {
+            class: None,
+            period: None,
+            lyapunov_error: f64::NAN,
+            lyapunov_birkhoff: f64::NAN,
+            lyapunov_interval: interval,
+            chaotic_fraction: 0.0,
+            ..self.lasting_measurement(parameters, settings, end, backend, growth / interval)
+        };
+        Measurement {
+            status: if end.under_resolved || !measurement.lyapunov.is_finite() {
+                Status::UnderResolved
+            } else {
+                Status::Ok
+            },
+            ..measurement
+        }
+    }
+}
+
+/// The measurement of a lasting motion, as under-resolved if it is, or if a number of it is none.
+fn checked(measurement: Measurement, resolved: bool) -> Measurement {
+    let finite = [
+        measurement.lyapunov,
+        measurement.lyapunov_error,
+        measurement.lyapunov_birkhoff,
+    ]
+    .iter()
+    .all(|value| value.is_finite());
+    if resolved && finite {
+        return measurement;
+    }
+    Measurement {
+        status: Status::UnderResolved,
+        class: None,
+        period: None,
+        chaotic_fraction: 0.0,
+        ..measurement
+    }
+}
+
+/// Whether the run was long enough for the cycle's attraction to bring a disturbance of order 1 well below the
+/// tolerance of the period. A spiral that still decays slowly returns near itself after some odd number of periods, which
+/// is not its period. Growth that is the same in every period tells of a cycle from the start. After a chaotic transient only the last periods are known to have been on the cycle.
+fn reached(cycle: &Cycle, lyapunov: f64, error: f64, settings: &Settings, period_time: f64) -> bool {
+    if error < CONSTANT_GROWTH {
+        return true;
+    }
+    let (rate, periods) = if lyapunov < 0.0 {
+        (lyapunov, settings.transient_periods + settings.periods)
+    } else {
+        (cycle.growth_rate, stroboscope::window(settings.periods))
+    };
+    -rate * f64::from(periods) * period_time > (10.0 / settings.period_tolerance).ln()
+}

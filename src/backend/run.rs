@@ -1,0 +1,116 @@
+//! A run at full length: transient, alignment, measurement.
+//!
+//! Owns their order, and slices short enough for progress to show; evaluates nothing.
+
+use std::ops::ControlFlow;
+
+use super::evaluation::Growth;
+use super::{Backend, BackendError, Slice, Stage};
+use crate::dynamics::statistics;
+use crate::experiment::Settings;
+use crate::measurement::Measurement;
+use crate::parameters::ParameterSet;
+
+/// Longest slice, so that progress shows and a run can be cancelled.
+const LONGEST_SLICE: u32 = 16;
+
+/// Runs a batch from its initial states to its measurements. `progress` hears after every slice how many
+/// instance-periods it did, and may break the run off; then None is returned.
+///
+/// Instances whose contact wears have no transient: all their motion is one, and everything of it is measured, over
+/// `settings.periods`.
+///
+/// # Errors
+/// If the backend fails, or the scheme that was asked for does not carry the heat and wear of an instance.
+pub fn measure_batch(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    instances: &[ParameterSet],
+    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Result<Option<Vec<Measurement>>, BackendError> {
+    let settings = settings
+        .for_model(instances.iter().any(ParameterSet::is_rubbed))
+        .map_err(|error| BackendError::Unsupported(error.to_string()))?;
+    let (wearing, lasting): (Vec<usize>, Vec<usize>) =
+        (0..instances.len()).partition(|&index| instances[index].wears());
+    let mut measured = vec![None; instances.len()];
+    let whole_run = u64::from(settings.transient_periods) + u64::from(settings.periods);
+    let from_the_start = Settings {
+        transient_periods: 0,
+        align_periods: 0,
+        ..settings.clone()
+    };
+    for (indices, settings, share) in [
+        (lasting, &settings, whole_run),
+        (wearing, &from_the_start, u64::from(settings.periods)),
+    ] {
+        if indices.is_empty() {
+            continue;
+        }
+        let instances: Vec<_> = indices.iter().map(|&index| instances[index]).collect();
+        // both kinds count as a whole run, which is what was announced
+        let progress = &mut |instance_periods: u64| progress(instance_periods * whole_run / share);
+        let Some(batch) = measure_alike(backend, settings, &instances, progress)? else {
+            return Ok(None);
+        };
+        for (index, measurement) in indices.into_iter().zip(batch) {
+            measured[index] = Some(measurement);
+        }
+    }
+    Ok(measured.into_iter().collect())
+}
+
+/// Runs a batch of instances all of which wear or none.
+fn measure_alike(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    instances: &[ParameterSet],
+    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Result<Option<Vec<Measurement>>, BackendError> {
+    backend.load(settings, instances)?;
+    let mut elapsed = 0;
+    let mut advance = |backend: &mut dyn Backend, stage, range: std::ops::Range<u32>| {
+        let mut first = range.start;
+        while first < range.end {
+            let periods = LONGEST_SLICE.min(range.end - first);
+            backend.advance(&Slice {
+                stage,
+                first,
+                periods,
+                elapsed,
+            })?;
+            first += periods;
+            elapsed += periods;
+            if progress(u64::from(periods) * instances.len() as u64).is_break() {
+                return Ok(ControlFlow::Break(()));
+            }
+        }
+        Ok(ControlFlow::Continue(()))
+    };
+    for (stage, periods) in [
+        (Stage::Transient, settings.transient_periods - settings.align_periods),
+        (Stage::Align, settings.align_periods),
+    ] {
+        if advance(backend, stage, 0..periods)?.is_break() {
+            return Ok(None);
+        }
+    }
+    let mut growth: Vec<Growth> = vec![Growth::default(); instances.len()];
+    for batch in statistics::batches(settings.periods) {
+        if advance(backend, Stage::Measure, batch.clone())?.is_break() {
+            return Ok(None);
+        }
+        for (growth, sums) in growth.iter_mut().zip(backend.collect()?) {
+            growth.add(batch.len() as f64, &sums);
+        }
+    }
+    let ends = backend.end_states()?;
+    let kind = backend.kind();
+    Ok(Some(
+        instances
+            .iter()
+            .zip(growth.iter().zip(&ends))
+            .map(|(parameters, (growth, end))| growth.measurement(parameters, settings, end, kind))
+            .collect(),
+    ))
+}
