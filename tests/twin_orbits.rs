@@ -85,7 +85,7 @@ fn long_orbits_agree_closely_where_regular_and_within_their_errors_where_chaotic
     };
     let gpu = measure(&mut GpuBackend::new(context));
     let cpu = measure(&mut CpuBackend::new(Precision::F64));
-    let (mut regular, mut chaotic) = (0, 0);
+    let (mut regular, mut chaotic, mut ended) = (0, 0, 0);
     for (i, (a, b)) in gpu.iter().zip(&cpu).enumerate() {
         let difference = (a.lyapunov - b.lyapunov).abs();
         assert!(a.divergence_defect().abs() < 1e-4, "{i}: {a:?}");
@@ -102,12 +102,13 @@ fn long_orbits_agree_closely_where_regular_and_within_their_errors_where_chaotic
             regular += 1;
         } else if b.lyapunov > 8.0 * b.lyapunov_error {
             let error = a.lyapunov_error.hypot(b.lyapunov_error);
-            assert!(
-                a.class == Some(Class::Chaotic) && difference < 5.0 * error,
-                "{i}: {a:?} {b:?}"
-            );
+            let is_same = a.class == Some(Class::Chaotic) && difference < 5.0 * error;
+            // where chaos is a long transient, it ends by chance
+            assert!(is_same || a.class == Some(Class::Regular), "{i}: {a:?} {b:?}");
+            ended += u32::from(!is_same);
             chaotic += 1;
         }
     }
     assert!(regular > 100 && chaotic > 15, "{regular} regular, {chaotic} chaotic");
+    assert!(8 * ended <= chaotic, "{ended} of {chaotic} chaotic orbits have settled");
 }

@@ -139,22 +139,25 @@ fn leave(flow: Flow, piece: Piece, series: Series, trial: f32) -> Leave {
     let v_stop = select(v_end, v_middle, left_early);
     let rises = piece.upper < v_stop;
     let boundary = select(piece.lower, piece.upper, rises);
+    let change = select(-1.0, 1.0, rises);
 
-    // in parts of the half step: the straight line's zero, bent by the second difference of v
-    let inverse = 1.0 / (v_stop - v_start);
-    let bend = 0.5 * inverse * (series.v_0 - 2.0 * v_middle + v_end);
-    let straight = (boundary - v_start) * inverse;
-    let part = fma(straight * (1.0 - straight), bend, straight);
+    // outward from the boundary, in parts of the half step: beyond + slope part + bend part^2, where it rises through 0
+    let beyond = change * (v_start - boundary);
+    let bend = change * 0.5 * (series.v_0 - 2.0 * v_middle + v_end);
+    let slope = change * (v_stop - v_start) - bend;
+    let root = sqrt(max(fma(slope, slope, -(4.0 * bend * beyond)), 0.0));
+    let goes_out = 0.0 < slope;
+    let part = select(root - slope, -2.0 * beyond, goes_out) / select(2.0 * bend, slope + root, goes_out);
     let guess = clamp(fma(part, middle, start), start, stop);
     let at_guess = v_and_slope_at(series, guess);
     let newton = clamp(guess - (at_guess.x - boundary) / at_guess.y, start, stop);
-    // where v turns before it leaves, Newton's step may go astray, back to where it started from: the lane then takes a
+    // where the parabola is no guide, Newton's step may go astray, back to where it started from: the lane then takes a
     // part of the way, and looks again from there
-    let found = start < newton || straight < ON_BOUNDARY;
-    let closer = fma(0.5 * straight, middle, start);
+    let found = start < newton || part < ON_BOUNDARY;
+    let closer = fma(0.5 * part, middle, start);
     return Leave(
         select(trial, select(closer, newton, found), left),
-        select(0.0, select(-1.0, 1.0, rises), left && found),
+        select(0.0, change, left && found),
     );
 }
 

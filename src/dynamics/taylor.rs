@@ -209,7 +209,8 @@ fn trial_step<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series:
 /// step itself and 0 if it does not.
 ///
 /// v is looked at halfway and at the end. In the half step before the first of the two that lies outside, the
-/// parabola through the three values and one step of Newton's lead to the boundary.
+/// parabola through the three values and one step of Newton's lead to the boundary: to where v comes out, also where it
+/// begins on the boundary, goes in, and turns.
 #[inline(always)]
 fn leave<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series: &Series<R, L>, trial: R) -> (R, R) {
     let zero = R::splat(0.0);
@@ -226,21 +227,24 @@ fn leave<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series: &Ser
     let v_to = R::select(left_early, v_middle, v_end);
     let rises = piece.upper.less(v_to);
     let boundary = R::select(rises, piece.upper, piece.lower);
+    let change = R::select(rises, R::splat(1.0), R::splat(-1.0));
 
-    // in parts of the half step: the straight line's zero, bent by the second difference of v
-    let inverse = R::splat(1.0) / (v_to - v_from);
-    let bend = R::splat(0.5) * inverse * (series.v[0] - R::splat(2.0) * v_middle + v_end);
-    let straight = (boundary - v_from) * inverse;
-    let part = (straight * (R::splat(1.0) - straight)).mul_add(bend, straight);
+    // outward from the boundary, in parts of the half step: beyond + slope part + bend part^2, where it rises through 0
+    let beyond = change * (v_from - boundary);
+    let bend = change * R::splat(0.5) * (series.v[0] - R::splat(2.0) * v_middle + v_end);
+    let slope = change * (v_to - v_from) - bend;
+    let root = slope.mul_add(slope, -(R::splat(4.0) * bend * beyond)).max(zero).sqrt();
+    let goes_out = zero.less(slope);
+    let part = R::select(goes_out, R::splat(-2.0) * beyond, root - slope)
+        / R::select(goes_out, slope + root, R::splat(2.0) * bend);
     let guess = part.mul_add(middle, from).max(from).min(to);
     let (v, slope) = series.v_and_slope_at(guess);
     let newton = guess - (v - boundary) / slope;
     let newton = newton.max(from).min(to);
-    // where v turns before it leaves, Newton's step may go astray, back to where it started from: the lane then takes a
+    // where the parabola is no guide, Newton's step may go astray, back to where it started from: the lane then takes a
     // part of the way, and looks again from there
-    let found = from.less(newton).or(straight.less(R::splat(ON_BOUNDARY)));
-    let closer = (R::splat(0.5) * straight).mul_add(middle, from);
-    let change = R::select(rises, R::splat(1.0), R::splat(-1.0));
+    let found = from.less(newton).or(part.less(R::splat(ON_BOUNDARY)));
+    let closer = (R::splat(0.5) * part).mul_add(middle, from);
     let leaves = left.and(found);
     (
         R::select(left, R::select(found, newton, closer), trial),

@@ -117,6 +117,20 @@ fn sticking_is_resolved() {
     }
 }
 
+/// In f32 v comes to the layer's boundary, is rounded to just beyond it, goes on away from it, and turns: of the two crossings
+/// ahead the one at the start is none. A search that took it stepped by the least step until v had turned.
+#[test]
+fn a_turn_behind_the_boundary_is_no_crossing() {
+    let turns = point(&[
+        (Parameter::ZetaK, 0.075_471_698_113_207_54),
+        (Parameter::H1, 0.360_504_201_680_672_26),
+    ]);
+    for precision in PRECISIONS {
+        let measured = measure(precision, &settings(None), &[turns]);
+        assert_eq!(measured[0].status, Status::Ok, "{precision:?}");
+    }
+}
+
 #[test]
 fn what_cannot_be_resolved_is_told() {
     let stiff = point(&[
