@@ -213,13 +213,20 @@ pub struct Measurement {
     pub backend: BackendKind,
     /// Where the orbit began: (x0, y0).
     pub initial_state: [f64; 2],
+    /// Forcing periods that were integrated for the point, of all its initial states.
+    pub integrated_periods: u32,
 }
 
 impl Measurement {
     /// The measurement of an orbit that ran away at `time`.
     pub fn runaway(time: f64, backend: BackendKind) -> Self {
+        Self::unmeasured(Status::Runaway { time }, backend)
+    }
+
+    /// The measurement of an orbit of which nothing is known.
+    pub fn unmeasured(status: Status, backend: BackendKind) -> Self {
         Self {
-            status: Status::Runaway { time },
+            status,
             class: None,
             lyapunov: f64::NAN,
             lyapunov_error: f64::NAN,
@@ -238,6 +245,7 @@ impl Measurement {
             contact: Contact::UNKNOWN,
             backend,
             initial_state: [f64::NAN; 2],
+            integrated_periods: 0,
         }
     }
 
@@ -272,6 +280,7 @@ pub enum Quantity {
     FinalWear,
     PeakTemperature,
     RunawayTime,
+    IntegratedPeriods,
     Class,
     Status,
     Backend,
@@ -327,6 +336,7 @@ quantity_table! {
     FinalWear        "final_wear"        "wear at the end of the run"              "1"     Values::Number;
     PeakTemperature  "peak_temperature"  "greatest surface temperature θ(1, τ)"    "1"     Values::Number;
     RunawayTime      "runaway_time"      "time of runaway"                         "tau"   Values::Number;
+    IntegratedPeriods "integrated_periods" "forcing periods integrated"            "1"     Values::Number;
     Class            "class"             "kind of motion"                          "1"     Values::Code(CLASS_NAMES);
     Status           "status"            "how the integration ended"               "1"     Values::Code(STATUS_NAMES);
     Backend          "backend"           "where the point was integrated"          "1"     Values::Code(BACKEND_NAMES);
@@ -379,6 +389,7 @@ impl Quantity {
                 Status::Runaway { time } => time,
                 Status::Ok | Status::UnderResolved => f64::NAN,
             },
+            Self::IntegratedPeriods => f64::from(m.integrated_periods),
             Self::Class => m.class.map_or(f64::NAN, |class| f64::from(class as u8)),
             Self::Status => f64::from(m.status.code()),
             Self::Backend => f64::from(m.backend as u8),

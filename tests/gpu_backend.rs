@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::{GpuBackend, GpuContext};
 use tribochaos::backend::{Backend, BackendError, Slice, Stage, measure_batch};
-use tribochaos::experiment::{Precision, Scheme, Settings};
+use tribochaos::experiment::{Precision, Request, Scheme, Settings};
 use tribochaos::measurement::{Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
@@ -179,9 +179,14 @@ fn a_device_lost_in_the_middle_of_a_run_is_reported_at_once() {
     let device = context.device().clone();
     let mut backend = GpuBackend::new(context);
     let instances = line(64);
+    // one load for the whole run
+    let settings = Settings {
+        decide_early: false,
+        ..Settings::default()
+    };
     let mut lost_at = None;
     let mut slices = 0;
-    let result = measure_batch(&mut backend, &Settings::default(), &instances, &mut |_| {
+    let result = measure_batch(&mut backend, &settings, &instances, &mut |_| {
         slices += 1;
         if slices == 3 {
             device.destroy();
@@ -194,7 +199,7 @@ fn a_device_lost_in_the_middle_of_a_run_is_reported_at_once() {
     assert!(lost_at.unwrap().elapsed() < Duration::from_secs(5));
     // and so is every later use
     for _ in 0..2 {
-        let error = backend.load(&Settings::default(), &instances).unwrap_err();
+        let error = backend.load(&settings, &instances).unwrap_err();
         assert!(matches!(error, BackendError::DeviceLost(_)), "{error}");
     }
     assert!(matches!(backend.end_states(), Err(BackendError::DeviceLost(_))));
@@ -212,6 +217,7 @@ fn a_device_lost_while_it_computes_is_reported_at_once() {
     });
     let endless = Settings {
         transient_periods: 10_000_000,
+        decide_early: false,
         ..Settings::default()
     };
     let result = measure_batch(&mut backend, &endless, &line(512), &mut |_| ControlFlow::Continue(()));
@@ -291,5 +297,26 @@ fn adapters_are_chosen_by_name_and_software_only_where_allowed() {
             message.contains(&first.name) && message.contains("--backend cpu"),
             "{message}"
         );
+    }
+}
+
+/// Legs, turns along cycles and what is left at full length, each a batch of another size.
+#[test]
+fn points_are_decided_early_as_on_the_cpu() {
+    let Some(context) = gpu_context::open() else { return };
+    let grid = Request::default().resolve().unwrap().grid;
+    let instances: Vec<_> = (0..grid.len()).step_by(401).map(|index| grid.point(index)).collect();
+    let settings = Settings::default();
+    let on_gpu = measure(&mut GpuBackend::new(context), &settings, &instances);
+    let on_cpu = measure(&mut CpuBackend::new(Precision::F64), &settings, &instances);
+    let pairs = || on_gpu.iter().zip(&on_cpu);
+    let full_length = settings.transient_periods + settings.periods;
+    let early = pairs().filter(|(gpu, _)| gpu.integrated_periods < full_length);
+    assert!(early.count() * 100 >= 95 * instances.len());
+    let same = pairs().filter(|(gpu, cpu)| gpu.class == cpu.class).count();
+    assert!(same * 100 >= 98 * instances.len(), "{same} of {}", instances.len());
+    for (gpu, cpu) in pairs().filter(|(gpu, cpu)| gpu.period.is_some() && cpu.period.is_some()) {
+        assert_eq!(gpu.period, cpu.period, "{gpu:?} {cpu:?}");
+        assert!((gpu.lyapunov - cpu.lyapunov).abs() < 1e-3, "{gpu:?} {cpu:?}");
     }
 }

@@ -34,6 +34,7 @@ impl Definition {
             transient_periods: 380,
             align_periods: 50,
             periods: 100,
+            decide_early: false,
             initial_states: 1,
             ..settings.clone()
         };

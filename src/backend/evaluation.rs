@@ -28,6 +28,13 @@ impl Growth {
         self.total.divergence += sums.divergence;
     }
 
+    /// Weighted Birkhoff average of the first vector's growth per period, over batches of equal length.
+    pub fn weighted_rate(&self) -> f64 {
+        let weights = statistics::birkhoff_weights(self.batches.len() as u32);
+        let rates = self.batches.iter().map(|(periods, growth)| growth / periods);
+        weights.iter().zip(rates).map(|(weight, rate)| weight * rate).sum()
+    }
+
     /// Growth per period over the whole batches in the last `periods`, at least one.
     fn rate_over_last(&self, periods: u32) -> f64 {
         let mut sum = (0.0, 0.0);
@@ -40,10 +47,12 @@ impl Growth {
         sum.1 / sum.0
     }
 
+    /// The measurement of an instance over `settings.periods`, which ended `elapsed` periods after the start of the run.
     pub fn measurement(
         &self,
         parameters: &ParameterSet,
         settings: &Settings,
+        elapsed: u32,
         end: &EndState,
         backend: BackendKind,
     ) -> Measurement {
@@ -52,19 +61,18 @@ impl Growth {
             return Measurement::runaway(f64::from(period) * period_time, backend);
         }
         if settings.scheme().carries_heat() {
-            return self.rubbed_measurement(parameters, settings, end, backend);
+            return self.rubbed_measurement(parameters, settings, elapsed, end, backend);
         }
         let time = f64::from(settings.periods) * period_time;
         let [lyapunov, lyapunov_second] = statistics::exponents(self.total.growth.map(|growth| growth / time));
-        let measurement = self.lasting_measurement(parameters, settings, end, backend, lyapunov);
+        let measurement = self.lasting_measurement(parameters, settings, elapsed, end, backend, lyapunov);
         let measurement = Measurement {
             lyapunov_second,
             lyapunov_second_error: statistics::standard_error(&self.second_batches) / period_time,
             divergence: self.total.divergence / time,
             ..measurement
         };
-        // written so that NaN fails
-        let resolved = measurement.divergence_defect().abs() <= DEFECT_BOUND * (1.0 + measurement.divergence.abs());
+        let resolved = is_resolved(&measurement);
         checked(measurement, resolved && !end.under_resolved)
     }
 
@@ -73,6 +81,7 @@ impl Growth {
         &self,
         parameters: &ParameterSet,
         settings: &Settings,
+        elapsed: u32,
         end: &EndState,
         backend: BackendKind,
         lyapunov: f64,
@@ -80,6 +89,7 @@ impl Growth {
         let period_time = parameters.forcing_period();
         let lyapunov_error = statistics::standard_error(&self.batches) / period_time;
         let lyapunov_birkhoff = self.total.birkhoff / period_time;
+        let time = f64::from(elapsed) * period_time;
         let window = stroboscope::window(settings.periods);
         let cycle = stroboscope::period(end.candidates, window).map(|period| Cycle {
             period,
@@ -98,7 +108,7 @@ impl Growth {
             lyapunov_interval: f64::from(settings.periods) * period_time,
             period: cycle
                 .filter(|cycle| {
-                    class == Class::Regular && reached(cycle, lyapunov, lyapunov_error, settings, period_time)
+                    class == Class::Regular && reached(cycle, lyapunov, lyapunov_error, settings, time, period_time)
                 })
                 .map(|cycle| cycle.period),
             x: end.x,
@@ -110,6 +120,7 @@ impl Growth {
             contact: end.contact,
             backend,
             initial_state: [parameters[Parameter::X0], parameters[Parameter::Y0]],
+            integrated_periods: elapsed,
         }
     }
 
@@ -119,13 +130,14 @@ impl Growth {
         &self,
         parameters: &ParameterSet,
         settings: &Settings,
+        elapsed: u32,
         end: &EndState,
         backend: BackendKind,
     ) -> Measurement {
         let time = f64::from(settings.periods) * parameters.forcing_period();
         let growth = self.total.growth[0];
         if !parameters.wears() {
-            let measurement = self.lasting_measurement(parameters, settings, end, backend, growth / time);
+            let measurement = self.lasting_measurement(parameters, settings, elapsed, end, backend, growth / time);
             return checked(measurement, !end.under_resolved);
         }
         let interval = end.contact.lost.unwrap_or(time);
@@ -136,7 +148,7 @@ impl Growth {
             lyapunov_birkhoff: f64::NAN,
             lyapunov_interval: interval,
             chaotic_fraction: 0.0,
-            ..self.lasting_measurement(parameters, settings, end, backend, growth / interval)
+            ..self.lasting_measurement(parameters, settings, elapsed, end, backend, growth / interval)
         };
         Measurement {
             status: if end.under_resolved || !measurement.lyapunov.is_finite() {
@@ -149,8 +161,13 @@ impl Growth {
     }
 }
 
+/// Whether the sum of the exponents is the mean divergence; written so that NaN fails.
+pub(super) fn is_resolved(measurement: &Measurement) -> bool {
+    measurement.divergence_defect().abs() <= DEFECT_BOUND * (1.0 + measurement.divergence.abs())
+}
+
 /// The measurement of a lasting motion, as under-resolved if it is, or if a number of it is none.
-fn checked(measurement: Measurement, resolved: bool) -> Measurement {
+pub(super) fn checked(measurement: Measurement, resolved: bool) -> Measurement {
     let finite = [
         measurement.lyapunov,
         measurement.lyapunov_error,
@@ -172,15 +189,16 @@ fn checked(measurement: Measurement, resolved: bool) -> Measurement {
 
 /// Whether the run was long enough for the cycle's attraction to bring a disturbance of order 1 well below the
 /// tolerance of the period. A spiral that still decays slowly returns near itself after some odd number of periods, which
-/// is not its period. Growth that is the same in every period tells of a cycle from the start. After a chaotic transient only the last periods are known to have been on the cycle.
-fn reached(cycle: &Cycle, lyapunov: f64, error: f64, settings: &Settings, period_time: f64) -> bool {
+/// is not its period. Growth that is the same in every period tells of a cycle from the start. After a chaotic transient
+/// only the last periods are known to have been on the cycle.
+fn reached(cycle: &Cycle, lyapunov: f64, error: f64, settings: &Settings, time: f64, period_time: f64) -> bool {
     if error < CONSTANT_GROWTH {
         return true;
     }
-    let (rate, periods) = if lyapunov < 0.0 {
-        (lyapunov, settings.transient_periods + settings.periods)
+    let decay = if lyapunov < 0.0 {
+        -lyapunov * time
     } else {
-        (cycle.growth_rate, stroboscope::window(settings.periods))
+        -cycle.growth_rate * f64::from(stroboscope::window(settings.periods)) * period_time
     };
-    -rate * f64::from(periods) * period_time > (10.0 / settings.period_tolerance).ln()
+    decay > (10.0 / settings.period_tolerance).ln()
 }

@@ -3,6 +3,8 @@
 //! Owns the contract between the host and a backend. Knows nothing of grids, files or progress bars.
 
 pub mod cpu;
+mod cycle;
+mod early;
 mod evaluation;
 pub mod gpu;
 mod run;

@@ -1,11 +1,11 @@
-//! A run at full length: transient, alignment, measurement.
+//! The run of a batch, decided early or at full length: transient, alignment, measurement.
 //!
 //! Owns their order, and slices short enough for progress to show; evaluates nothing.
 
 use std::ops::ControlFlow;
 
 use super::evaluation::Growth;
-use super::{Backend, BackendError, Slice, Stage};
+use super::{Backend, BackendError, Slice, Stage, early};
 use crate::dynamics::statistics;
 use crate::experiment::Settings;
 use crate::measurement::Measurement;
@@ -15,7 +15,7 @@ use crate::parameters::ParameterSet;
 const LONGEST_SLICE: u32 = 16;
 
 /// Runs a batch from its initial states to its measurements. `progress` hears after every slice how many
-/// instance-periods it did, and may break the run off; then None is returned.
+/// instance-periods of a run at full length it did, and may break the run off; then None is returned.
 ///
 /// Instances whose contact wears have no transient: all their motion is one, and everything of it is measured, over
 /// `settings.periods`.
@@ -50,7 +50,12 @@ pub fn measure_batch(
         let instances: Vec<_> = indices.iter().map(|&index| instances[index]).collect();
         // both kinds count as a whole run, which is what was announced
         let progress = &mut |instance_periods: u64| progress(instance_periods * whole_run / share);
-        let Some(batch) = measure_alike(backend, settings, &instances, progress)? else {
+        let batch = if settings.decides_early() {
+            early::measure(backend, settings, &instances, progress)?
+        } else {
+            measure_alike(backend, settings, &instances, Start::default(), progress)?
+        };
+        let Some(batch) = batch else {
             return Ok(None);
         };
         for (index, measurement) in indices.into_iter().zip(batch) {
@@ -60,15 +65,28 @@ pub fn measure_batch(
     Ok(measured.into_iter().collect())
 }
 
-/// Runs a batch of instances all of which wear or none.
-fn measure_alike(
+/// Where a run begins that goes on from an earlier one; by default, there is none.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Start<'a> {
+    /// Periods since the start of the run.
+    pub elapsed: u32,
+    /// First tangent vectors, in the order of the instances.
+    pub tangents: Option<&'a [[f64; 2]]>,
+}
+
+/// Runs a batch of instances, all of which wear or none, at the full length of the settings.
+pub(super) fn measure_alike(
     backend: &mut dyn Backend,
     settings: &Settings,
     instances: &[ParameterSet],
+    start: Start<'_>,
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<Vec<Measurement>>, BackendError> {
     backend.load(settings, instances)?;
-    let mut elapsed = 0;
+    if let Some(tangents) = start.tangents {
+        backend.set_tangents(tangents)?;
+    }
+    let mut elapsed = start.elapsed;
     let mut advance = |backend: &mut dyn Backend, stage, range: std::ops::Range<u32>| {
         let mut first = range.start;
         while first < range.end {
@@ -110,7 +128,7 @@ fn measure_alike(
         instances
             .iter()
             .zip(growth.iter().zip(&ends))
-            .map(|(parameters, (growth, end))| growth.measurement(parameters, settings, end, kind))
+            .map(|(parameters, (growth, end))| growth.measurement(parameters, settings, elapsed, end, kind))
             .collect(),
     ))
 }

@@ -79,6 +79,8 @@ pub fn sets_initial_state(args: &ExperimentArgs) -> bool {
 pub fn experiment(args: &ExperimentArgs, axis: Option<Axis>, defaults: Request) -> Result<Experiment, Failure> {
     let mut request = defaults;
     args.apply(&mut request);
+    // few points, of which the errors are shown
+    request.settings.decide_early = false;
     if request.settings.backend == BackendChoice::Auto {
         request.settings.backend = BackendChoice::Cpu;
     }

@@ -17,7 +17,7 @@ use tribochaos::sweep::{self, estimate};
 use super::outputs::Outputs;
 use super::overlay::{self, Theory};
 use super::progress::{self, Progress};
-use super::report;
+use super::report::{self, Work};
 use super::request::{self, ExperimentArgs};
 use super::{Failure, outputs};
 
@@ -40,6 +40,9 @@ pub struct MapArgs {
     /// Points computed again on the CPU in f64 to audit the map [default: 32 of a GPU map, else 0]
     #[arg(long, value_name = "N")]
     audit: Option<u32>,
+    /// Run every point to its full length, also where its motion has shown early what it is
+    #[arg(long)]
+    full_length: bool,
     /// What all output names begin with [default: outputs/map]
     #[arg(long, value_name = "NAME")]
     out: Option<PathBuf>,
@@ -80,6 +83,7 @@ impl MapArgs {
         self.experiment.apply(&mut request);
         let axes = [request.x.parameter, request.y.parameter];
         self.experiment.leave_free(&axes, &mut request);
+        request.settings.decide_early &= !self.full_length;
         request.settings.audit = self.audit.or(request.settings.audit);
         request.out = self.out.clone().or(request.out);
         Ok(request)
@@ -115,13 +119,13 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
 
     progress::catch_interrupt();
     let started = Instant::now();
-    let (points, devices) = compute(&experiment, choice, &mut store)?;
+    let (work, devices) = compute(&experiment, choice, &mut store)?;
     let elapsed = started.elapsed();
 
     let map = store.read_map().map_err(Failure::run)?;
     let audit = audit_map(&map, &experiment, &mut store)?;
     let files = outputs.draw(&map, &style).map_err(Failure::Run)?;
-    say_on!("{}", report::summary(&map, points, elapsed, &devices));
+    say_on!("{}", report::summary(&map, &work, elapsed, &devices));
     if let Some(audit) = audit {
         say_on!("{}", report::audit(&audit));
     }
@@ -131,8 +135,8 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Computes what the store lacks, tile by tile; returns how many points that were, and on what.
-fn compute(experiment: &Experiment, choice: Choice, store: &mut MapStore) -> Result<(usize, Vec<String>), Failure> {
+/// Computes what the store lacks, tile by tile; returns how much that was, and on what.
+fn compute(experiment: &Experiment, choice: Choice, store: &mut MapStore) -> Result<(Work, Vec<String>), Failure> {
     let mut backends = choice.backends;
     let columns = experiment.grid.axes[0].count;
     let settings = &experiment.settings;
@@ -142,7 +146,7 @@ fn compute(experiment: &Experiment, choice: Choice, store: &mut MapStore) -> Res
     );
     let stored = store.attribute("devices").cloned().unwrap_or_default();
     let mut devices: Vec<String> = serde_json::from_value(stored).unwrap_or_default();
-    let mut computed = 0;
+    let mut work = Work::default();
     let tiles: Vec<_> = store.tiles().collect();
     for (done, tile) in tiles.iter().copied().enumerate() {
         if store.is_finished(&tile).map_err(Failure::run)? {
@@ -166,7 +170,11 @@ fn compute(experiment: &Experiment, choice: Choice, store: &mut MapStore) -> Res
             })?
             .ok_or_else(|| Failure::Interrupted(kept("stopped by Ctrl-C")))?;
         store.write_tile(&tile, &measurements).map_err(Failure::run)?;
-        computed += tile.len();
+        work.points += tile.len();
+        work.instance_periods += measurements
+            .iter()
+            .map(|m| u64::from(m.integrated_periods))
+            .sum::<u64>();
         let device = backends.active().device();
         if !devices.contains(&device) {
             devices.push(device);
@@ -175,7 +183,7 @@ fn compute(experiment: &Experiment, choice: Choice, store: &mut MapStore) -> Res
                 .map_err(Failure::run)?;
         }
     }
-    Ok((computed, devices))
+    Ok((work, devices))
 }
 
 /// Audits the map as the settings ask, and stores what came out.

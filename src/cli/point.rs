@@ -25,6 +25,8 @@ pub struct PointArgs {
 pub fn run(args: &PointArgs) -> Result<(), Failure> {
     let mut request = Request::default();
     args.experiment.apply(&mut request);
+    // the more exact exponent is worth the time of one point
+    request.settings.decide_early = false;
     if request.settings.backend == BackendChoice::Auto {
         request.settings.backend = BackendChoice::Cpu;
     }

@@ -6,6 +6,7 @@ use std::time::Duration;
 use tribochaos::experiment::{Experiment, Scheme};
 use tribochaos::map::{OnsetKind, ParameterMap, threshold};
 use tribochaos::measurement::{Class, Quantity};
+use tribochaos::sweep;
 use tribochaos::sweep::audit::Audit;
 use tribochaos::sweep::choice::Choice;
 
@@ -55,30 +56,40 @@ pub fn duration(duration: Duration) -> String {
     }
 }
 
-/// What a map came out as; `computed` points were computed in `elapsed` on `devices`.
-pub fn summary(map: &ParameterMap, computed: usize, elapsed: Duration, devices: &[String]) -> String {
+/// What was computed of a map.
+#[derive(Default)]
+pub struct Work {
+    pub points: usize,
+    pub instance_periods: u64,
+}
+
+/// What a map came out as; `work` was done in `elapsed` on `devices`.
+pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[String]) -> String {
     let mut text = String::new();
     let settings = &map.experiment.settings;
     let points = map.experiment.grid.len();
-    if computed == 0 {
+    if work.points == 0 {
         let _ = writeln!(
             text,
             "all {points} points were in the store already; --force computes them again"
         );
     } else {
-        let transient = if map.experiment.wears() {
-            0
-        } else {
-            settings.transient_periods
-        };
-        let periods = computed as f64 * f64::from(settings.initial_states) * f64::from(transient + settings.periods);
-        let rate = periods / elapsed.as_secs_f64();
+        let rate = work.instance_periods as f64 / elapsed.as_secs_f64();
         let took = duration(elapsed);
         let devices = devices.join(", then ");
         let _ = writeln!(
             text,
-            "{computed} points in {took}: {rate:.2e} instance-periods/s on {devices}"
+            "{} points in {took}: {rate:.2e} instance-periods/s on {devices}",
+            work.points
         );
+        if settings.decides_early() {
+            let full = sweep::instance_periods(settings, work.points) as f64;
+            let _ = writeln!(
+                text,
+                "        decided early: {:.1} % of the instance-periods that runs at full length take",
+                100.0 * work.instance_periods as f64 / full
+            );
+        }
     }
     let share = |count: usize| format!("{count} ({:.1} %)", 100.0 * count as f64 / points as f64);
     let classes = Class::ALL.map(|class| {

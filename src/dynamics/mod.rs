@@ -6,6 +6,7 @@ pub mod adaptive;
 pub mod decay;
 pub mod dense;
 pub mod drive;
+pub mod floquet;
 pub mod history;
 pub mod matrix;
 pub mod radau;

@@ -96,6 +96,9 @@ pub struct Settings {
     pub align_periods: u32,
     /// Measured forcing periods (250).
     pub periods: u32,
+    /// Whether a point is left as soon as its motion shows what it is: an attracting cycle, by its multipliers, or chaos,
+    /// by its mean growth (true). With heat or wear points are always run to their full length.
+    pub decide_early: bool,
     /// Steps of rk4 between two renormalisations of the tangent vectors (314); one ends every period besides.
     pub renormalise_every: u32,
     /// Two stroboscopic states are the same where x and y differ by less (1e-4).
@@ -129,6 +132,7 @@ impl Default for Settings {
             transient_periods: 300,
             align_periods: 50,
             periods: 250,
+            decide_early: true,
             renormalise_every: 314,
             period_tolerance: 1e-4,
             backend: BackendChoice::Auto,
@@ -161,6 +165,11 @@ impl Settings {
     pub fn steps_per_period(&self) -> u32 {
         self.steps_per_period
             .unwrap_or_else(|| self.scheme().default_steps_per_period())
+    }
+
+    /// Whether instances are looked at before their full length: their contact pressure must be constant.
+    pub fn decides_early(&self) -> bool {
+        self.decide_early && !self.scheme().carries_heat()
     }
 
     /// The settings with the scheme and its steps written out, so that a later default changes nothing, for instances

@@ -146,6 +146,7 @@ fn exponents_panel(
     let settings = Settings {
         transient_periods: TRANSIENT,
         periods: MEASURED,
+        decide_early: false,
         ..Settings::default()
     };
     let axis = axis(range, work.exponents);

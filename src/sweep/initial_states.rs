@@ -53,6 +53,7 @@ pub fn combine(measurements: &[Measurement], period_tolerance: f64) -> Measureme
     Measurement {
         chaotic_fraction: chaotic as f64 / measurements.len() as f64,
         attractors: attractors.len() as u32,
+        integrated_periods: measurements.iter().map(|m| m.integrated_periods).sum(),
         ..**largest
     }
 }

@@ -20,6 +20,7 @@ pub fn pinned_settings() -> Settings {
         transient_periods: 300,
         align_periods: 50,
         periods: 300,
+        decide_early: false,
         renormalise_every: 157,
         period_tolerance: 1e-4,
         ..Settings::default()

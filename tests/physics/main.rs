@@ -7,6 +7,7 @@ mod common;
 mod classes;
 mod convergence;
 mod dual;
+mod early;
 mod exponents;
 mod heat_modes;
 mod lanes;

@@ -1,0 +1,366 @@
+//! Deciding early: what an instance's motion is, as soon as it shows.
+//!
+//! Owns when instances are looked at and what decides them. The motion of a constant contact pressure is a state and a
+//! tangent vector, so that those left undecided are loaded again as a smaller batch, and decided ones cost nothing. What is
+//! never decided here runs on to its full length.
+//!
+//! - An orbit that has come near an attracting cycle is regular: the Floquet multipliers of the cycle are its exponents,
+//!   without any average.
+//! - An orbit whose mean growth stands many standard errors above zero is chaotic.
+//! - Runaways, and what the scheme has given up, are dropped.
+
+use std::ops::{ControlFlow, Range};
+
+use super::cycle::{AttractingCycle, TURNS};
+use super::evaluation::Growth;
+use super::run::{Start, measure_alike};
+use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
+use crate::dynamics::floquet::Turn;
+use crate::dynamics::stroboscope;
+use crate::experiment::Settings;
+use crate::measurement::{BackendKind, CONSTANT_GROWTH, Class, Contact, Measurement, Status};
+use crate::parameters::{Parameter, ParameterSet};
+
+/// Lengths of the first legs, in forcing periods: the motion alone at first, then with its tangent vectors. Most cycles are
+/// reached by then; the legs that follow are of [`LATER_LEG`].
+const FIRST_LEGS: [u32; 5] = [16, 16, 16, 16, 32];
+const LATER_LEG: u32 = 64;
+
+/// Periods after which growth counts towards the exponent of a chaotic motion.
+const SETTLING: u32 = 64;
+
+/// Periods of a batch mean of that growth.
+const BATCH: u32 = 8;
+
+/// A motion is chaotic once its mean growth stands so many standard errors above zero...
+const CERTAINTY: f64 = 6.0;
+
+/// ...over at least this many periods, and half of those that were asked for: so that errors are worth what they claim, and
+/// more periods give a smaller one.
+const LEAST_PERIODS: u32 = 128;
+
+/// Measures a batch of instances of constant contact pressure; `progress` hears of full-length runs, whatever they took.
+/// None if it broke the run off.
+///
+/// # Errors
+/// If the backend fails.
+pub(super) fn measure(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    instances: &[ParameterSet],
+    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Result<Option<Vec<Measurement>>, BackendError> {
+    let mut batch = Batch {
+        settings,
+        live: instances
+            .iter()
+            .enumerate()
+            .map(|(index, set)| Live::new(index, set))
+            .collect(),
+        measured: vec![None; instances.len()],
+    };
+    let mut elapsed = 0;
+    for leg in legs(settings.transient_periods) {
+        if batch.carry_on(backend, leg.clone(), progress)?.is_break() {
+            return Ok(None);
+        }
+        batch.find_cycles(backend)?;
+        batch.find_chaos(backend, leg.end);
+        elapsed = leg.end;
+        if batch.settle_up(elapsed, progress).is_break() {
+            return Ok(None);
+        }
+        if batch.live.is_empty() {
+            break;
+        }
+    }
+    batch.run_out(backend, elapsed, progress)
+}
+
+/// The legs within the transient, as ranges of periods since the start of the run.
+fn legs(transient: u32) -> Vec<Range<u32>> {
+    let lengths = FIRST_LEGS.into_iter().chain(std::iter::repeat(LATER_LEG));
+    lengths
+        .scan(0, |end, length| {
+            let start = *end;
+            *end += length;
+            Some(start..*end)
+        })
+        .take_while(|leg| leg.end <= transient)
+        .collect()
+}
+
+/// An instance that is not decided.
+struct Live {
+    /// In the batch as it was at first.
+    index: usize,
+    parameters: ParameterSet,
+    state: [f64; 2],
+    tangent: [f64; 2],
+    /// Of x, since growth counts.
+    extremes: [f64; 2],
+    growth: Growth,
+    /// The period of the cycle that it may be on.
+    candidate: Option<u32>,
+    /// Periods that went into looking at cycles, besides those of the run.
+    turned: u32,
+}
+
+impl Live {
+    fn new(index: usize, parameters: &ParameterSet) -> Self {
+        Self {
+            index,
+            parameters: *parameters,
+            state: [parameters[Parameter::X0], parameters[Parameter::Y0]],
+            tangent: [1.0, 0.0],
+            extremes: [f64::INFINITY, f64::NEG_INFINITY],
+            growth: Growth::default(),
+            candidate: None,
+            turned: 0,
+        }
+    }
+
+    /// The instance, begun in its present state.
+    fn instance(&self) -> ParameterSet {
+        let [x, y] = self.state;
+        self.parameters.with(Parameter::X0, x).with(Parameter::Y0, y)
+    }
+
+    fn take(&mut self, end: &EndState) {
+        self.state = [end.x, end.y];
+        self.tangent = end.tangent;
+    }
+
+    /// Its state as that of a motion that goes on, on no cycle.
+    fn passing(&self) -> EndState {
+        EndState {
+            x: self.state[0],
+            y: self.state[1],
+            tangent: self.tangent,
+            x_min: self.extremes[0],
+            x_max: self.extremes[1],
+            candidates: 0,
+            runaway_period: None,
+            under_resolved: false,
+            contact: Contact::CONSTANT,
+        }
+    }
+
+    /// What is left to measure of it once it has run away or been given up.
+    fn given_up(&self, end: &EndState, kind: BackendKind) -> Option<Measurement> {
+        match end.runaway_period {
+            Some(period) => {
+                let time = f64::from(period) * self.parameters.forcing_period();
+                Some(Measurement::runaway(time, kind))
+            }
+            None => end
+                .under_resolved
+                .then(|| Measurement::unmeasured(Status::UnderResolved, kind)),
+        }
+    }
+}
+
+struct Batch<'a> {
+    settings: &'a Settings,
+    live: Vec<Live>,
+    /// In the order of the batch as it was at first.
+    measured: Vec<Option<Measurement>>,
+}
+
+impl Batch<'_> {
+    /// The settings of a run over some periods, all of which are measured.
+    fn over(&self, periods: u32) -> Settings {
+        Settings {
+            transient_periods: 0,
+            align_periods: 0,
+            periods,
+            ..self.settings.clone()
+        }
+    }
+
+    /// Carries all live instances on by a leg; those that end on it are measured.
+    fn carry_on(
+        &mut self,
+        backend: &mut dyn Backend,
+        leg: Range<u32>,
+        progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+    ) -> Result<ControlFlow<()>, BackendError> {
+        let stage = if leg.start == 0 {
+            Stage::Transient
+        } else {
+            Stage::Measure
+        };
+        load(backend, &self.over(leg.end - leg.start), &self.live)?;
+        for first in (0..leg.end - leg.start).step_by(BATCH as usize) {
+            backend.advance(&Slice {
+                stage,
+                first,
+                periods: BATCH,
+                elapsed: leg.start + first,
+            })?;
+            if leg.start >= SETTLING {
+                for (live, sums) in self.live.iter_mut().zip(backend.collect()?) {
+                    live.growth.add(BATCH.into(), &sums);
+                }
+            }
+            if progress(u64::from(BATCH) * self.live.len() as u64).is_break() {
+                return Ok(ControlFlow::Break(()));
+            }
+        }
+        let kind = backend.kind();
+        let window = stroboscope::window(leg.end - leg.start);
+        for (live, end) in self.live.iter_mut().zip(backend.end_states()?) {
+            live.take(&end);
+            // the motion alone is not compared
+            let compared = (stage == Stage::Measure).then_some(end.candidates);
+            live.candidate = compared.and_then(|candidates| stroboscope::period(candidates, window));
+            if leg.start >= SETTLING {
+                live.extremes = [live.extremes[0].min(end.x_min), live.extremes[1].max(end.x_max)];
+            }
+            self.measured[live.index] = live.given_up(&end, kind);
+        }
+        Ok(ControlFlow::Continue(()))
+    }
+
+    /// Measures the instances that are on an attracting cycle.
+    fn find_cycles(&mut self, backend: &mut dyn Backend) -> Result<(), BackendError> {
+        for period in 1..=stroboscope::MAX_PERIOD as u32 {
+            let (on_cycle, others) = std::mem::take(&mut self.live)
+                .into_iter()
+                .partition(|live| live.candidate == Some(period) && self.measured[live.index].is_none());
+            self.live = others;
+            if !Vec::is_empty(&on_cycle) {
+                self.turn(backend, period, on_cycle)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Turns instances along cycles of so many periods, and measures those whose cycle is found.
+    fn turn(&mut self, backend: &mut dyn Backend, period: u32, mut on_cycle: Vec<Live>) -> Result<(), BackendError> {
+        let settings = self.over(TURNS * period);
+        let mut turns = vec![Vec::with_capacity(TURNS as usize); on_cycle.len()];
+        let (mut moved, mut divergence) = (vec![0.0; on_cycle.len()], vec![0.0; on_cycle.len()]);
+        let mut ends = Vec::new();
+        load(backend, &settings, &on_cycle)?;
+        for turn in 0..TURNS {
+            backend.advance(&Slice {
+                stage: Stage::Measure,
+                first: turn * period,
+                periods: period,
+                elapsed: turn * period,
+            })?;
+            let sums = backend.collect()?;
+            ends = backend.end_states()?;
+            for (i, live) in on_cycle.iter_mut().enumerate() {
+                let Sums { growth, .. } = sums[i];
+                let (from, to) = (live.tangent, ends[i].tangent);
+                turns[i].push(Turn { from, to, growth });
+                divergence[i] += sums[i].divergence;
+                moved[i] = (ends[i].x - live.state[0]).hypot(ends[i].y - live.state[1]);
+                live.take(&ends[i]);
+            }
+        }
+        let kind = backend.kind();
+        for (i, live) in on_cycle.iter_mut().enumerate() {
+            live.turned += TURNS * period;
+            let window = stroboscope::window(settings.periods);
+            // an orbit that came nearer while it was watched shows a multiple of its period at first
+            let least = stroboscope::period(ends[i].candidates, window);
+            let turn_time = f64::from(period) * live.parameters.forcing_period();
+            let cycle = least.and_then(|least| AttractingCycle::new(least, turn_time, moved[i], &turns[i]));
+            self.measured[live.index] = live
+                .given_up(&ends[i], kind)
+                .or_else(|| Some(cycle?.measurement(divergence[i], &ends[i], kind)));
+        }
+        self.live.append(&mut on_cycle);
+        Ok(())
+    }
+
+    /// Measures the instances that are chaotic beyond doubt.
+    fn find_chaos(&mut self, backend: &dyn Backend, elapsed: u32) {
+        let periods = elapsed.saturating_sub(SETTLING);
+        if periods < LEAST_PERIODS.max(self.settings.periods / 2) {
+            return;
+        }
+        let settings = self.over(periods);
+        for live in &self.live {
+            // a laminar phase, or a cycle that has not been reached, may be either
+            if live.candidate.is_some() || self.measured[live.index].is_some() {
+                continue;
+            }
+            let end = live.passing();
+            let measurement = live
+                .growth
+                .measurement(&live.parameters, &settings, elapsed, &end, backend.kind());
+            let (lyapunov, error) = (measurement.lyapunov, measurement.lyapunov_error);
+            if measurement.class == Some(Class::Chaotic) && lyapunov > CERTAINTY * error && error > CONSTANT_GROWTH {
+                self.measured[live.index] = Some(Measurement {
+                    // the weights of a leg are not those of a run
+                    lyapunov_birkhoff: live.growth.weighted_rate() / live.parameters.forcing_period(),
+                    ..measurement
+                });
+            }
+        }
+    }
+
+    /// Drops what has been measured; their full length is reported as done.
+    fn settle_up(&mut self, elapsed: u32, progress: &mut dyn FnMut(u64) -> ControlFlow<()>) -> ControlFlow<()> {
+        let full = self.settings.transient_periods + self.settings.periods;
+        let measured = &mut self.measured;
+        let mut dropped = 0;
+        self.live.retain(|live| {
+            let Some(measurement) = &mut measured[live.index] else {
+                return true;
+            };
+            measurement.integrated_periods = elapsed + live.turned;
+            measurement.initial_state = [live.parameters[Parameter::X0], live.parameters[Parameter::Y0]];
+            dropped += 1;
+            false
+        });
+        progress(dropped * u64::from(full - elapsed))
+    }
+
+    /// Runs what is undecided after `elapsed` periods to its full length.
+    fn run_out(
+        mut self,
+        backend: &mut dyn Backend,
+        elapsed: u32,
+        progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+    ) -> Result<Option<Vec<Measurement>>, BackendError> {
+        if self.live.is_empty() {
+            return Ok(self.measured.into_iter().collect());
+        }
+        let transient_periods = self.settings.transient_periods - elapsed;
+        let settings = Settings {
+            transient_periods,
+            align_periods: self.settings.align_periods.min(transient_periods),
+            ..self.settings.clone()
+        };
+        let instances: Vec<_> = self.live.iter().map(Live::instance).collect();
+        let tangents: Vec<_> = self.live.iter().map(|live| live.tangent).collect();
+        let start = Start {
+            elapsed,
+            tangents: Some(&tangents),
+        };
+        let Some(measured) = measure_alike(backend, &settings, &instances, start, progress)? else {
+            return Ok(None);
+        };
+        for (live, measurement) in self.live.iter().zip(measured) {
+            self.measured[live.index] = Some(Measurement {
+                integrated_periods: measurement.integrated_periods + live.turned,
+                initial_state: [live.parameters[Parameter::X0], live.parameters[Parameter::Y0]],
+                ..measurement
+            });
+        }
+        Ok(self.measured.into_iter().collect())
+    }
+}
+
+/// Loads live instances in their present states.
+fn load(backend: &mut dyn Backend, settings: &Settings, live: &[Live]) -> Result<(), BackendError> {
+    let instances: Vec<_> = live.iter().map(Live::instance).collect();
+    let tangents: Vec<_> = live.iter().map(|live| live.tangent).collect();
+    backend.load(settings, &instances)?;
+    backend.set_tangents(&tangents)
+}

@@ -1,0 +1,133 @@
+//! Floquet multipliers of a cycle, from how it turns one tangent vector.
+//!
+//! Owns the passage from growths and directions over two turns of a cycle to the eigenvalues of its monodromy matrix M, the
+//! tangent map of one turn; integrates nothing.
+//!
+//! The matrix itself is not needed. A plane flow's M obeys M^2 = (trace) M - (determinant) (Cayley and Hamilton), so that a
+//! vector v0 with v1 = M v0 and v2 = M v1 has v2 = (trace) v1 - (determinant) v0; and the determinant is the product of
+//! both vectors' growth.
+
+use std::ops::Add;
+
+/// A turn of a cycle, as it changes the tangent vectors.
+#[derive(Clone, Copy, Debug)]
+pub struct Turn {
+    /// Direction of the first vector before and after, of length 1.
+    pub from: [f64; 2],
+    pub to: [f64; 2],
+    /// Logarithms of the growth of the first vector, and of the second across it.
+    pub growth: [f64; 2],
+}
+
+/// The eigenvalues mu_1, mu_2 of a monodromy matrix, |mu_1| >= |mu_2|, in logarithms, since products of many stiff periods
+/// overflow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Multipliers {
+    /// ln of the square root of the determinant, which is positive for a flow.
+    half_log_determinant: f64,
+    /// The trace over twice the square root of the determinant: real multipliers where it is at least 1 in magnitude.
+    scaled_trace: f64,
+}
+
+impl Multipliers {
+    /// Of a cycle that has turned twice, the second turn beginning where the first ends.
+    pub fn new(first: &Turn, second: &Turn) -> Self {
+        let half = 0.25 * (first.growth.iter().sum::<f64>() + second.growth.iter().sum::<f64>());
+        let [v0, v1, v2] = [first.from, first.to, second.to];
+        // the component of v2 = (trace) v1 - (determinant) v0 along v1, over the length of v1
+        let trace = (second.growth[0] - half).exp() * dot(v2, v1) + (half - first.growth[0]).exp() * dot(v0, v1);
+        Self {
+            half_log_determinant: half,
+            scaled_trace: 0.5 * trace,
+        }
+    }
+
+    /// ln |mu_1| and ln |mu_2|; over the length of a turn they are the exponents.
+    pub fn log_moduli(&self) -> [f64; 2] {
+        // NaN stays
+        let spread = if self.scaled_trace.abs() < 1.0 {
+            0.0
+        } else {
+            self.scaled_trace.abs().acosh()
+        };
+        [self.half_log_determinant + spread, self.half_log_determinant - spread]
+    }
+
+    /// |1 - mu_1|: by how much less than its distance from an attracting cycle an orbit moves in a turn.
+    pub fn distance_from_one(&self) -> f64 {
+        let modulus = self.log_moduli()[0].exp();
+        // the cosine of mu_1's angle: 1 or -1 for real multipliers
+        let cosine = self.scaled_trace.clamp(-1.0, 1.0);
+        (1.0 - 2.0 * modulus * cosine).add(modulus * modulus).max(0.0).sqrt()
+    }
+}
+
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Complex, Matrix2, Vector2};
+
+    use super::*;
+
+    /// Turns of a vector by a matrix, as a run sees them.
+    fn turns(matrix: Matrix2<f64>, start: Vector2<f64>) -> [Turn; 2] {
+        let mut vector = start.normalize();
+        [(); 2].map(|()| {
+            let next = matrix * vector;
+            let turn = Turn {
+                from: vector.into(),
+                to: next.normalize().into(),
+                growth: [next.norm().ln(), (matrix.determinant() / next.norm()).ln()],
+            };
+            vector = next.normalize();
+            turn
+        })
+    }
+
+    #[test]
+    fn multipliers_are_the_eigenvalues_whatever_the_vector() {
+        for matrix in [
+            Matrix2::new(0.3, 0.1, -0.2, 0.5),
+            Matrix2::new(-0.7, 2.0, 0.1, -0.4),
+            Matrix2::new(0.6, -0.8, 0.7, 0.5),
+            Matrix2::new(-0.1, -0.9, 0.5, -0.3),
+            Matrix2::new(1.4, 0.0, 3.0, 1e-9),
+        ] {
+            let mut expected: Vec<_> = matrix.complex_eigenvalues().iter().copied().collect();
+            expected.sort_by(|a: &Complex<f64>, b| b.norm().total_cmp(&a.norm()));
+            for start in [Vector2::new(1.0, 0.0), Vector2::new(0.6, 0.8), Vector2::new(-0.2, 1.0)] {
+                let [first, second] = turns(matrix, start);
+                let multipliers = Multipliers::new(&first, &second);
+                for (found, expected) in multipliers.log_moduli().iter().zip(&expected) {
+                    assert!((found - expected.norm().ln()).abs() < 1e-6, "{matrix}{start}");
+                }
+                let distance = (expected[0] - 1.0).norm();
+                assert!(
+                    (multipliers.distance_from_one() - distance).abs() < 1e-9,
+                    "{matrix}{start}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_vector_along_an_eigenvector_tells_both_multipliers() {
+        let [first, second] = turns(Matrix2::new(0.5, 1.0, 0.0, 0.2), Vector2::new(1.0, 0.0));
+        let [largest, smallest] = Multipliers::new(&first, &second).log_moduli();
+        assert!((largest - 0.5_f64.ln()).abs() < 1e-14 && (smallest - 0.2_f64.ln()).abs() < 1e-14);
+    }
+
+    #[test]
+    fn many_stiff_periods_neither_overflow_nor_vanish() {
+        let turn = Turn {
+            from: [0.6, 0.8],
+            to: [0.6, 0.8],
+            growth: [-5.0, -600.0],
+        };
+        let [largest, smallest] = Multipliers::new(&turn, &turn).log_moduli();
+        assert!((largest + 5.0).abs() < 1e-9 && (smallest + 600.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,188 @@
+//! Deciding early against runs at full length, and what is claimed of exponents against independent ones.
+
+use nalgebra::Matrix2;
+use tribochaos::backend::cpu::CpuBackend;
+use tribochaos::backend::{Backend, Slice, Stage};
+use tribochaos::dynamics::reference::ReferenceOrbit;
+use tribochaos::experiment::{Precision, Request, Scheme, Settings};
+use tribochaos::measurement::{Class, Measurement};
+use tribochaos::parameters::{Parameter, ParameterSet};
+
+use crate::common::{PRECISIONS, from_state, measure};
+
+/// Every `stride`-th point of the default map.
+fn map_points(stride: usize) -> Vec<ParameterSet> {
+    let grid = Request::default().resolve().unwrap().grid;
+    (0..grid.len()).step_by(stride).map(|index| grid.point(index)).collect()
+}
+
+fn full_length() -> Settings {
+    Settings {
+        decide_early: false,
+        ..Settings::default()
+    }
+}
+
+fn is_decided_early(m: &Measurement) -> bool {
+    let settings = Settings::default();
+    m.integrated_periods < settings.transient_periods + settings.periods
+}
+
+#[test]
+fn classes_are_those_of_runs_at_full_length_for_a_third_of_their_work() {
+    let points = map_points(7);
+    for precision in PRECISIONS {
+        let full = measure(precision, &full_length(), &points);
+        let early = measure(precision, &Settings::default(), &points);
+        let share = |count: usize, of: usize| count as f64 / of as f64;
+        let pairs = || early.iter().zip(&full);
+        let decided = pairs().filter(|(m, _)| is_decided_early(m)).count();
+        let same = pairs()
+            .filter(|(m, f)| is_decided_early(m) && m.class == f.class)
+            .count();
+        assert!(share(same, decided) >= 0.999, "{precision:?}: {same} of {decided}");
+        let chaotic = pairs().filter(|(_, f)| f.class == Some(Class::Chaotic)).count();
+        let both = pairs()
+            .filter(|(m, f)| f.class == Some(Class::Chaotic) && m.class == f.class)
+            .count();
+        assert!(share(both, chaotic) >= 0.99, "{precision:?}: {both} of {chaotic}");
+        let periods = |measured: &[Measurement]| measured.iter().map(|m| m.integrated_periods as usize).sum::<usize>();
+        assert!(
+            3 * periods(&early) < periods(&full),
+            "{precision:?}: {}",
+            periods(&early)
+        );
+        // the period of a cycle is its least one
+        for (m, f) in pairs().filter(|(m, f)| m.period.is_some() && f.period.is_some()) {
+            assert_eq!(m.period, f.period, "{precision:?} {m:?} {f:?}");
+        }
+    }
+}
+
+/// ln |mu_1| of the period map by finite differences of the reference integrator, which knows nothing of tangents, along a
+/// cycle of `turn` forcing periods.
+fn log_multiplier(point: &ParameterSet, state: [f64; 2], turn: u32) -> f64 {
+    let map = |state: [f64; 2]| {
+        let mut orbit = ReferenceOrbit::new(&from_state(*point, state));
+        (0..turn).for_each(|_| orbit.period());
+        [orbit.state().x, orbit.state().y]
+    };
+    let h = 1e-7;
+    let column = |dx: f64, dy: f64| {
+        let [a, b] = [1.0, -1.0].map(|sign| map([state[0] + sign * dx, state[1] + sign * dy]));
+        [(a[0] - b[0]) / (2.0 * h), (a[1] - b[1]) / (2.0 * h)]
+    };
+    let ([a, c], [b, d]) = (column(h, 0.0), column(0.0, h));
+    let multipliers = Matrix2::new(a, b, c, d).complex_eigenvalues();
+    multipliers
+        .iter()
+        .map(|mu| mu.norm().ln())
+        .fold(f64::NEG_INFINITY, f64::max)
+}
+
+#[test]
+fn exponents_of_cycles_are_the_multipliers_of_the_period_map() {
+    let points = map_points(601);
+    let early = measure(Precision::F64, &Settings::default(), &points);
+    let mut compared = 0;
+    for (point, m) in points.iter().zip(&early) {
+        let Some(period) = m.period.filter(|_| is_decided_early(m)) else {
+            continue;
+        };
+        let time = f64::from(period) * point.forcing_period();
+        let expected = log_multiplier(point, [m.x, m.y], period) / time;
+        // strongly contracting cycles leave no digits to the differences
+        if expected * time > -6.0 {
+            assert!((m.lyapunov - expected).abs() < 2e-4, "{expected} {point:?} {m:?}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 80, "{compared}");
+}
+
+/// In 95 % of the cases, give or take 3, two standard errors of the difference cover it.
+#[test]
+fn the_error_claimed_for_chaos_covers_a_disjoint_run_ten_times_longer() {
+    let early = |points: &[ParameterSet]| measure(Precision::F64, &Settings::default(), points);
+    let points = map_points(3);
+    let (points, short): (Vec<_>, Vec<_>) = points
+        .iter()
+        .copied()
+        .zip(early(&points))
+        .filter(|(_, m)| m.class == Some(Class::Chaotic) && is_decided_early(m))
+        .unzip();
+    let longer = Settings {
+        transient_periods: 300,
+        periods: 2000,
+        ..full_length()
+    };
+    let long = measure(Precision::F64, &longer, &points);
+    // chaos that has ended meanwhile was none to last
+    let pairs = || short.iter().zip(&long).filter(|(_, l)| l.class == Some(Class::Chaotic));
+    let covered = pairs()
+        .filter(|(s, l)| (s.lyapunov - l.lyapunov).abs() < 2.0 * s.lyapunov_error.hypot(l.lyapunov_error))
+        .count();
+    let share = covered as f64 / pairs().count() as f64;
+    assert!(
+        pairs().count() > 800 && (0.92..0.98).contains(&share),
+        "{covered} of {}",
+        pairs().count()
+    );
+}
+
+#[test]
+fn a_run_that_is_taken_up_again_goes_on_as_if_it_had_not_been_interrupted() {
+    let points = map_points(997);
+    for scheme in [Scheme::Taylor, Scheme::Rk4] {
+        for precision in PRECISIONS {
+            let settings = Settings {
+                scheme: Some(scheme),
+                ..Settings::default()
+            };
+            let mut backend = CpuBackend::new(precision);
+            let advance = |backend: &mut CpuBackend, first| {
+                let slice = Slice {
+                    stage: Stage::Measure,
+                    first,
+                    periods: 20,
+                    elapsed: first,
+                };
+                backend.advance(&slice).unwrap();
+                (backend.collect().unwrap(), backend.end_states().unwrap())
+            };
+            backend.load(&settings, &points).unwrap();
+            let (_, middle) = advance(&mut backend, 0);
+            let (expected, ends) = advance(&mut backend, 20);
+            let again: Vec<_> = points
+                .iter()
+                .zip(&middle)
+                .map(|(point, end)| from_state(*point, [end.x, end.y]))
+                .collect();
+            let tangents: Vec<_> = middle.iter().map(|end| end.tangent).collect();
+            backend.load(&settings, &again).unwrap();
+            backend.set_tangents(&tangents).unwrap();
+            let (sums, again) = advance(&mut backend, 0);
+            for i in 0..points.len() {
+                assert_eq!(
+                    (again[i].x, again[i].y),
+                    (ends[i].x, ends[i].y),
+                    "{scheme:?} {precision:?}"
+                );
+                assert_eq!(again[i].tangent, ends[i].tangent, "{scheme:?} {precision:?}");
+                assert_eq!(sums[i].growth[0], expected[i].growth[0], "{scheme:?} {precision:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn tangents_are_refused_where_they_have_more_dimensions() {
+    let mut backend = CpuBackend::new(Precision::F64);
+    let heated = ParameterSet::default().with(Parameter::Gamma, 1.0);
+    let settings = Settings {
+        scheme: Some(Scheme::Radau),
+        ..Settings::default()
+    };
+    backend.load(&settings, &[heated]).unwrap();
+    assert!(backend.set_tangents(&[[0.0, 1.0]]).is_err());
+}
