@@ -9,8 +9,8 @@ use divan::counter::ItemsCount;
 use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
 use tribochaos::backend::gpu::{GpuBackend, GpuContext};
 use tribochaos::backend::{Backend, Slice, Stage};
-use tribochaos::benchmark;
-use tribochaos::experiment::{Precision, Scheme, Settings};
+use tribochaos::benchmark::kernels::Case;
+use tribochaos::experiment::{Precision, Settings};
 
 fn main() {
     // one core: what one costs is what is compared
@@ -24,130 +24,103 @@ fn main() {
 /// Periods of one iteration.
 const PERIODS: u32 = 4;
 
-#[divan::bench(args = cases(), sample_count = 9, sample_size = 1)]
-fn cpu(bencher: Bencher, case: &Case) {
-    advance(
+#[divan::bench(args = cpu_phases(), sample_count = 9, sample_size = 1)]
+fn cpu(bencher: Bencher, phase: &Phase) {
+    let instructions = phase.case.instructions.expect("a case of the CPU");
+    phase.advance(
         bencher,
-        &mut CpuBackend::with_instructions(case.precision, case.instructions.expect("a case of the CPU")),
-        case.scheme,
-        case.stage,
-        case.modes,
+        &mut CpuBackend::with_instructions(phase.case.precision, instructions),
     );
 }
 
-#[divan::bench(args = gpu_cases(), sample_count = 9, sample_size = 1)]
-fn gpu(bencher: Bencher, case: &Case) {
+#[divan::bench(args = gpu_phases(), sample_count = 9, sample_size = 1)]
+fn gpu(bencher: Bencher, phase: &Phase) {
     match GpuContext::open(None, true) {
-        Ok(context) => advance(
-            bencher,
-            &mut GpuBackend::new(context),
-            case.scheme,
-            case.stage,
-            case.modes,
-        ),
+        Ok(context) => phase.advance(bencher, &mut GpuBackend::new(context)),
         Err(error) => eprintln!("no GPU benchmark: {error}"),
     }
 }
 
+/// A kernel without tangent vectors or with them.
 #[derive(Clone, Copy, Debug)]
-struct Case {
-    scheme: Scheme,
-    /// None on a GPU.
-    instructions: Option<InstructionSet>,
-    precision: Precision,
+struct Phase {
+    case: Case,
     stage: Stage,
-    /// Heat modes of the full model.
-    modes: u32,
 }
 
-impl std::fmt::Display for Case {
+impl std::fmt::Display for Phase {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (scheme, instructions) = (self.scheme.name(), self.instructions.map_or("", InstructionSet::name));
-        write!(f, "{scheme} {instructions} {:?} {:?}", self.precision, self.stage)?;
-        if self.scheme.carries_heat() {
-            write!(f, " M={}", self.modes)?;
+        let case = &self.case;
+        let (scheme, instructions) = (case.scheme.name(), case.instructions.map_or("", InstructionSet::name));
+        write!(f, "{scheme} {instructions} {:?} {:?}", case.precision, self.stage)?;
+        if let Some(modes) = case.modes {
+            write!(f, " M={modes}")?;
         }
         Ok(())
     }
 }
 
-const STAGES: [Stage; 2] = [Stage::Transient, Stage::Measure];
-
 /// Numbers of heat modes, for how the cost grows with them.
 const MODES: [u32; 4] = [4, 8, 12, 24];
 
-fn cases() -> Vec<Case> {
-    let mut cases = Vec::new();
+fn cpu_phases() -> Vec<Phase> {
+    let mut phases = Vec::new();
     for instructions in InstructionSet::available() {
         for precision in [Precision::F64, Precision::F32] {
-            cases.extend(kernels(Some(instructions), precision));
+            phases.extend(kernel_phases(Some(instructions), precision));
         }
     }
-    cases
+    phases
 }
 
 /// A GPU has no f64.
-fn gpu_cases() -> Vec<Case> {
-    kernels(None, Precision::F32)
+fn gpu_phases() -> Vec<Phase> {
+    kernel_phases(None, Precision::F32)
 }
 
 /// In turn, so that all schemes meet the same minute of a shared machine.
-fn kernels(instructions: Option<InstructionSet>, precision: Precision) -> Vec<Case> {
-    let reduced = [(Scheme::Taylor, 0), (Scheme::Rk4, 0)];
-    let full = MODES.map(|modes| (Scheme::Radau, modes));
-    STAGES
-        .iter()
-        .flat_map(|&stage| {
-            reduced.iter().chain(&full).map(move |&(scheme, modes)| Case {
-                scheme,
-                instructions,
-                precision,
-                stage,
-                modes,
-            })
-        })
+fn kernel_phases(instructions: Option<InstructionSet>, precision: Precision) -> Vec<Phase> {
+    let cases = Case::all(instructions, precision, &MODES);
+    [Stage::Transient, Stage::Measure]
+        .into_iter()
+        .flat_map(|stage| cases.iter().map(move |&case| Phase { case, stage }))
         .collect()
 }
 
 /// Periods in which the shaft warms up before the full model is measured.
 const WARMING: u32 = 8;
 
-fn advance(bencher: Bencher, backend: &mut dyn Backend, scheme: Scheme, stage: Stage, modes: u32) {
-    let instances = if scheme.carries_heat() {
-        benchmark::rubbed_points(1)
-    } else {
-        benchmark::points(1)
-    };
-    let instances = instances.expect("the grid is valid");
-    // the slices of all iterations stay within the measured periods
-    let settings = Settings {
-        scheme: Some(scheme),
-        periods: 1_000_000,
-        modes: modes.max(1),
-        ..Settings::default()
-    };
-    backend.load(&settings, &instances).expect("the grid fits");
-    if scheme.carries_heat() {
-        let warming = Slice {
-            stage: Stage::Transient,
-            first: 0,
-            periods: WARMING,
-            elapsed: 0,
+impl Phase {
+    fn advance(&self, bencher: Bencher, backend: &mut dyn Backend) {
+        let instances = self.case.points();
+        // the slices of all iterations stay within the measured periods
+        let settings = Settings {
+            periods: 1_000_000,
+            ..self.case.settings()
         };
-        backend.advance(&warming).expect("the backend works");
+        backend.load(&settings, &instances).expect("the grid fits");
+        if self.case.scheme.carries_heat() {
+            let warming = Slice {
+                stage: Stage::Transient,
+                first: 0,
+                periods: WARMING,
+                elapsed: 0,
+            };
+            backend.advance(&warming).expect("the backend works");
+        }
+        let mut first = 0;
+        bencher
+            .counter(ItemsCount::new(instances.len() * PERIODS as usize))
+            .bench_local(|| {
+                backend
+                    .advance(&Slice {
+                        stage: self.stage,
+                        first,
+                        periods: PERIODS,
+                        elapsed: first,
+                    })
+                    .expect("the backend works");
+                first += PERIODS;
+            });
     }
-    let mut first = 0;
-    bencher
-        .counter(ItemsCount::new(instances.len() * PERIODS as usize))
-        .bench_local(|| {
-            backend
-                .advance(&Slice {
-                    stage,
-                    first,
-                    periods: PERIODS,
-                    elapsed: first,
-                })
-                .expect("the backend works");
-            first += PERIODS;
-        });
 }

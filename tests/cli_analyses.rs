@@ -313,3 +313,49 @@ fn reproduce_computes_what_is_not_current() {
     fs::write(folder.path().join("file"), "").unwrap();
     assert_refused(folder.path(), &["reproduce", "--out", "file"], "is a file");
 }
+
+#[test]
+fn bench_tells_what_kernels_cost_and_how_exact_they_are() {
+    let folder = TempDir::new().unwrap();
+    let said = run(
+        folder.path(),
+        &[
+            "bench",
+            "--backend",
+            "cpu",
+            "--scheme",
+            "taylor",
+            "--precision",
+            "f64",
+            "--json",
+        ],
+    );
+    let object: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(object["default_scheme"], "taylor");
+    let kernels = object["kernels"].as_array().unwrap();
+    // one for every instruction set of this machine, the fastest first
+    assert!(!kernels.is_empty());
+    for kernel in kernels {
+        assert_eq!(
+            (
+                &kernel["model"],
+                &kernel["backend"],
+                &kernel["precision"],
+                &kernel["scheme"]
+            ),
+            (&"reduced".into(), &"cpu".into(), &"f64".into(), &"taylor".into())
+        );
+        assert!(kernel["lanes"].as_u64().unwrap() >= 2 && kernel["modes"].is_null());
+        assert!(kernel["device"].as_str().unwrap().starts_with("CPU"));
+        let number = |name: &str| kernel[name].as_f64().unwrap();
+        assert!(number("ns_motion_alone") > 0.0 && number("ns_with_vectors") > 0.0);
+        let mean = 0.5 * (number("ns_motion_alone") + number("ns_with_vectors"));
+        assert!((number("ns_per_instance_period") - mean).abs() < 1e-6 * mean);
+        assert!(number("exponent_error_median") <= 1e-7 && number("exponent_error_p99") <= 2e-5);
+    }
+    assert_refused(
+        folder.path(),
+        &["bench", "--backend", "gpu", "--precision", "f64"],
+        "a GPU has only f32",
+    );
+}

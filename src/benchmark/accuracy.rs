@@ -6,9 +6,11 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
+use super::{points, rubbed_points};
+use crate::backend::cpu::CpuBackend;
 use crate::backend::{Backend, BackendError, Slice, Stage};
 use crate::dynamics::reference::ReferenceOrbit;
-use crate::experiment::Settings;
+use crate::experiment::{MAX_MODES, Precision, Scheme, Settings};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// Forcing periods over which exponents are compared, from the initial state on.
@@ -17,7 +19,13 @@ pub const PERIODS: u32 = 20;
 /// By how much the initial angle is moved, and by how much less an exponent must change to count.
 const SENSITIVITY: f64 = 1e-6;
 
-/// Points with the exponents that they have over [`PERIODS`] by the reference integrator.
+/// The same for the full model, whose reference is itself exact to no more.
+const RUBBED_SENSITIVITY: f64 = 1e-5;
+
+/// Every so many of the points are compared.
+const STRIDE: usize = 9;
+
+/// Points with the exponents that they have over [`PERIODS`] by a reference.
 #[derive(Clone, Debug)]
 pub struct References {
     points: Vec<(ParameterSet, f64)>,
@@ -43,6 +51,42 @@ impl References {
         Self { points }
     }
 
+    /// Of every ninth point of the benchmark, of the full model or of the reduced one.
+    pub fn of_model(rubbed: bool) -> Self {
+        let points = if rubbed { rubbed_points(STRIDE) } else { points(STRIDE) };
+        let points = points.expect("the table of parameters admits the benchmark's ranges");
+        if rubbed {
+            Self::compute_rubbed(&points)
+        } else {
+            Self::compute(&points)
+        }
+    }
+
+    /// The same for points of the full model, by radau itself, at a tolerance of 1e-8 and with [`MAX_MODES`] heat modes:
+    /// there is no integrator of another kind that is fast enough.
+    pub fn compute_rubbed(points: &[ParameterSet]) -> Self {
+        let settings = Settings {
+            scheme: Some(Scheme::Radau),
+            tolerance: 1e-8,
+            modes: MAX_MODES,
+            ..Settings::default()
+        };
+        let exponents = |points: &[ParameterSet]| {
+            exponents(&mut CpuBackend::new(Precision::F64), &settings, points).expect("the CPU backend does not fail")
+        };
+        let moved: Vec<_> = points
+            .iter()
+            .map(|point| point.with(Parameter::X0, point[Parameter::X0] + SENSITIVITY))
+            .collect();
+        let points = points
+            .iter()
+            .zip(exponents(points).into_iter().zip(exponents(&moved)))
+            .filter(|(_, (reference, moved))| (reference - moved).abs() < RUBBED_SENSITIVITY)
+            .map(|(point, (reference, _))| (*point, reference))
+            .collect();
+        Self { points }
+    }
+
     pub fn len(&self) -> usize {
         self.points.len()
     }
@@ -56,26 +100,40 @@ impl References {
     /// # Errors
     /// If the backend fails.
     pub fn errors(&self, backend: &mut dyn Backend, settings: &Settings) -> Result<Errors, BackendError> {
-        let settings = Settings {
-            periods: PERIODS,
-            ..settings.clone()
-        };
         let points: Vec<ParameterSet> = self.points.iter().map(|(point, _)| *point).collect();
-        backend.load(&settings, &points)?;
-        backend.advance(&Slice {
-            stage: Stage::Measure,
-            first: 0,
-            periods: PERIODS,
-            elapsed: 0,
-        })?;
-        let errors = backend
-            .collect()?
-            .iter()
-            .zip(&self.points)
-            .map(|(sums, (point, reference))| (sums.growth[0] / length(point) - reference).abs())
-            .collect();
-        Ok(Errors::new(errors))
+        let found = exponents(backend, settings, &points)?;
+        let errors = found.iter().zip(&self.points);
+        Ok(Errors::new(
+            errors
+                .map(|(found, (_, reference))| (found - reference).abs())
+                .collect(),
+        ))
     }
+}
+
+/// Exponents over [`PERIODS`] from the start.
+fn exponents(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    points: &[ParameterSet],
+) -> Result<Vec<f64>, BackendError> {
+    let settings = Settings {
+        periods: PERIODS,
+        ..settings.clone()
+    };
+    backend.load(&settings, points)?;
+    backend.advance(&Slice {
+        stage: Stage::Measure,
+        first: 0,
+        periods: PERIODS,
+        elapsed: 0,
+    })?;
+    let sums = backend.collect()?;
+    Ok(sums
+        .iter()
+        .zip(points)
+        .map(|(sums, point)| sums.growth[0] / length(point))
+        .collect())
 }
 
 /// Length of [`PERIODS`] in units of tau.

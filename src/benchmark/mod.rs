@@ -1,8 +1,11 @@
-//! The points on which kernels are timed and their accuracy is measured.
+//! What kernels cost on this machine, and how exact they are.
 //!
-//! Owns the points and the measurement of accuracy; the timing is that of `benches/`.
+//! Owns the points that kernels are compared on; prints nothing.
 
 pub mod accuracy;
+pub mod cost;
+pub mod kernels;
+pub mod scaling;
 
 use crate::experiment::Preset;
 use crate::grid::{Axis, AxisError, Grid};

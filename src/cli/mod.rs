@@ -19,6 +19,7 @@ macro_rules! say_on {
 }
 
 mod analysis;
+mod bench;
 mod bifurcation;
 mod devices;
 mod history;
@@ -72,6 +73,8 @@ enum Command {
     Melnikov(melnikov::MelnikovArgs),
     /// Compute the paper's figures, and the table of what it says and what the program gets
     Reproduce(reproduce::ReproduceArgs),
+    /// Time every kernel on this machine, and measure its accuracy
+    Bench(bench::BenchArgs),
     /// Tell which GPU adapters and CPU instructions there are, and which one `auto` picks
     Devices(devices::DevicesArgs),
 }
@@ -118,6 +121,7 @@ pub fn main() -> ExitCode {
         Command::History(args) => history::run(&args),
         Command::Melnikov(args) => melnikov::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
+        Command::Bench(args) => bench::run(&args),
         Command::Devices(args) => devices::run(&args),
     };
     match result {

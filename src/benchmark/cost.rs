@@ -1,0 +1,68 @@
+//! What an instance-period costs.
+//!
+//! Owns the run that is timed, which goes the way of a map's points: through the driver, with sums collected and evaluated.
+
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use crate::backend::{Backend, BackendError, measure_batch};
+use crate::experiment::Settings;
+use crate::parameters::ParameterSet;
+
+/// Nanoseconds that one forcing period of one instance takes.
+#[derive(Clone, Copy, Debug)]
+pub struct Cost {
+    pub motion_alone: f64,
+    /// With tangent vectors and everything that is measured.
+    pub with_vectors: f64,
+}
+
+impl Cost {
+    /// Of as many periods with vectors as without.
+    pub fn mean(&self) -> f64 {
+        0.5 * (self.motion_alone + self.with_vectors)
+    }
+
+    /// The median of either cost; NaN of none.
+    pub fn median(costs: &[Self]) -> Self {
+        let of = |cost: fn(&Self) -> f64| {
+            let mut costs: Vec<f64> = costs.iter().map(cost).collect();
+            costs.sort_by(f64::total_cmp);
+            costs.get(costs.len() / 2).copied().unwrap_or(f64::NAN)
+        };
+        Self {
+            motion_alone: of(|cost| cost.motion_alone),
+            with_vectors: of(|cost| cost.with_vectors),
+        }
+    }
+}
+
+/// Times a run of `settings.transient_periods` of the motion alone and `settings.periods` with tangent vectors, at full
+/// length.
+///
+/// # Errors
+/// If the backend fails.
+pub fn cost(backend: &mut dyn Backend, settings: &Settings, instances: &[ParameterSet]) -> Result<Cost, BackendError> {
+    let settings = Settings {
+        align_periods: 0,
+        decide_early: false,
+        ..settings.clone()
+    };
+    let per_instance_period =
+        |time: Duration, periods: u32| time.as_nanos() as f64 / (f64::from(periods) * instances.len() as f64);
+    let transient = u64::from(settings.transient_periods) * instances.len() as u64;
+    let (mut done, mut halfway) = (0, Duration::ZERO);
+    let started = Instant::now();
+    measure_batch(backend, &settings, instances, &mut |instance_periods| {
+        done += instance_periods;
+        if done == transient {
+            halfway = started.elapsed();
+        }
+        ControlFlow::Continue(())
+    })?;
+    let whole = started.elapsed();
+    Ok(Cost {
+        motion_alone: per_instance_period(halfway, settings.transient_periods),
+        with_vectors: per_instance_period(whole - halfway, settings.periods),
+    })
+}

@@ -1,0 +1,173 @@
+//! `bench`: what the kernels cost on this machine, and how exact they are.
+
+use std::time::Duration;
+
+use clap::Args;
+use serde_json::json;
+use tribochaos::backend::Backend;
+use tribochaos::backend::BackendError;
+use tribochaos::backend::cpu::InstructionSet;
+use tribochaos::backend::gpu::{GpuBackend, GpuContext};
+use tribochaos::benchmark::kernels::{self, Case, Kernel};
+use tribochaos::benchmark::scaling;
+use tribochaos::experiment::{Precision, Scheme, Settings};
+use tribochaos::output::PROGRAM;
+
+use super::{Failure, request};
+
+#[derive(Args)]
+pub struct BenchArgs {
+    /// Only this backend: cpu or gpu [default: both, the GPU if there is one]
+    #[arg(long, value_name = "cpu|gpu", value_parser = request::named::<Device>)]
+    backend: Option<Device>,
+    /// Only this scheme [default: all]
+    #[arg(long, value_parser = request::named::<Scheme>)]
+    scheme: Option<Scheme>,
+    /// Only this number type [default: both]
+    #[arg(long, value_name = "f32|f64", value_parser = request::named::<Precision>)]
+    precision: Option<Precision>,
+    /// Part of the name of the GPU adapter [default: the first, hardware before software]
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Time the default scheme on one thread to all, and on maps of 10^3 to 10^6 points, instead
+    #[arg(long, conflicts_with_all = ["backend", "scheme", "precision", "adapter"])]
+    scaling: bool,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Device {
+    Cpu,
+    Gpu,
+}
+
+/// Numbers of heat modes, for how the cost grows with them. A GPU's kernels are compiled for each.
+const CPU_MODES: [u32; 4] = [4, 8, 12, 24];
+const GPU_MODES: [u32; 2] = [8, 12];
+
+/// Time that the rounds of timing may take; accuracy comes on top.
+const BUDGET: Duration = Duration::from_secs(30);
+
+impl BenchArgs {
+    fn wants(&self, case: &Case) -> bool {
+        self.scheme.is_none_or(|scheme| scheme == case.scheme)
+            && self.precision.is_none_or(|precision| precision == case.precision)
+    }
+
+    fn cases(&self, gpu: bool) -> Vec<Case> {
+        let mut cases = Vec::new();
+        if self.backend != Some(Device::Gpu) {
+            for (rank, set) in InstructionSet::available().into_iter().enumerate() {
+                for precision in [Precision::F64, Precision::F32] {
+                    // the slower sets show what the reduced model costs where there is nothing better
+                    let modes: &[u32] = if rank == 0 { &CPU_MODES } else { &[] };
+                    cases.extend(Case::all(Some(set), precision, modes));
+                }
+            }
+        }
+        if gpu {
+            cases.extend(Case::all(None, Precision::F32, &GPU_MODES));
+        }
+        cases.retain(|case| self.wants(case));
+        cases
+    }
+
+    /// The GPU, if one is wanted and there is one.
+    fn gpu(&self) -> Result<Option<GpuBackend>, Failure> {
+        if self.backend == Some(Device::Cpu) || self.precision == Some(Precision::F64) {
+            return Ok(None);
+        }
+        match GpuContext::open(self.adapter.as_deref(), true) {
+            Ok(context) => Ok(Some(GpuBackend::new(context))),
+            Err(BackendError::NoDevice(_)) if self.backend.is_none() && self.adapter.is_none() => Ok(None),
+            Err(error) => Err(Failure::backend(error)),
+        }
+    }
+}
+
+pub fn run(args: &BenchArgs) -> Result<(), Failure> {
+    if args.scaling {
+        return scaling(args.json);
+    }
+    let mut gpu = args.gpu()?;
+    let cases = args.cases(gpu.is_some());
+    if cases.is_empty() {
+        return Err(Failure::Input(anyhow::anyhow!(
+            "no kernel is of this backend, scheme and number type: a GPU has only f32"
+        )));
+    }
+    let gpu = gpu.as_mut().map(|gpu| gpu as &mut dyn Backend);
+    let kernels = kernels::measure(&cases, gpu, BUDGET).map_err(Failure::backend)?;
+    if args.json {
+        let default_scheme = Settings::default().scheme();
+        say!(
+            "{:#}",
+            json!({ "program": PROGRAM, "default_scheme": default_scheme, "kernels": kernels })
+        );
+    } else {
+        print(&kernels);
+    }
+    Ok(())
+}
+
+fn scaling(as_json: bool) -> Result<(), Failure> {
+    let threads = scaling::threads().map_err(Failure::backend)?;
+    let sizes = scaling::sizes().map_err(Failure::backend)?;
+    if as_json {
+        say!(
+            "{:#}",
+            json!({ "program": PROGRAM, "threads": threads, "points": sizes })
+        );
+        return Ok(());
+    }
+    say!("{PROGRAM}: wall-clock ns for one forcing period of one instance, taylor in f64 on the CPU\n");
+    say!("  threads        ns  speed-up");
+    for row in &threads {
+        say!(
+            "  {:>7} {:>9.0} {:>9.2}",
+            row.threads,
+            row.ns_per_instance_period,
+            row.speed_up
+        );
+    }
+    say!("\n   points        ns  (on all threads)");
+    for row in &sizes {
+        say!("  {:>7} {:>9.0}", row.points, row.ns_per_instance_period);
+    }
+    Ok(())
+}
+
+fn print(kernels: &[Kernel]) {
+    say!(
+        "{PROGRAM}: ns for one forcing period of one instance, on one core of the CPU or a whole GPU, and errors of the exponent"
+    );
+    let mut device = "";
+    for kernel in kernels {
+        if kernel.device != device {
+            device = &kernel.device;
+            say!("\n{}", without_threads(device));
+            say!("  scheme         motion alone  with vectors     mean   error: median    99 %");
+        }
+        let modes = kernel.modes.map_or(String::new(), |modes| format!(", M = {modes}"));
+        say!(
+            "  {:<14} {:>12.0} {:>13.0} {:>8.0}   {:>13.1e} {:>7.1e}",
+            format!("{}{modes}", kernel.scheme.name()),
+            kernel.ns_motion_alone,
+            kernel.ns_with_vectors,
+            kernel.ns_per_instance_period,
+            kernel.exponent_error_median,
+            kernel.exponent_error_p99
+        );
+    }
+}
+
+/// The CPU's description; it is timed on one thread, whatever it has.
+fn without_threads(device: &str) -> &str {
+    device
+        .rsplit_once(", ")
+        .filter(|(_, last)| last.ends_with("threads"))
+        .map_or(device, |(rest, _)| rest)
+}
