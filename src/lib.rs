@@ -4,7 +4,8 @@
 //!
 //! From the bottom to the top; nothing knows of what stands below it in this list:
 //!
-//! - [`parameters`], [`grid`]: the quantities of the system, and axes over them;
+//! - [`parameters`], [`machine`], [`grid`]: the dimensionless quantities of the system, a machine in SI units that gives
+//!   them, and axes over either;
 //! - [`lanes`], [`model`]: numbers and physics;
 //! - [`experiment`], [`dynamics`]: what is computed, and the algorithms over the physics;
 //! - [`measurement`]: what is measured of a point, and the classes of motion;
@@ -40,6 +41,7 @@ pub mod dynamics;
 pub mod experiment;
 pub mod grid;
 pub mod lanes;
+pub mod machine;
 pub mod map;
 pub mod measurement;
 pub mod model;

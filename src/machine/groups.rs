@@ -1,0 +1,122 @@
+//! The formulas from SI quantities to dimensionless groups and scales: equations (2.6) and (2.7) of the paper.
+//!
+//! Owns the formulas, over any number type; checks nothing and knows no file.
+
+use std::f64::consts::PI;
+
+use super::dual::Number;
+use super::quantities::SiQuantity as Q;
+use crate::parameters::Parameter;
+
+/// Parameters that a machine determines.
+pub(super) const DETERMINED: usize = 13;
+
+/// The dimensionless groups of a machine, and the scales that lead back.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Groups<T> {
+    /// k* in N/m^2: the negative stiffness of the springs at angle 0, over R2^2.
+    pub spring: T,
+    /// t* in s.
+    pub time: T,
+    /// T* in K.
+    pub temperature: T,
+    /// P* in Pa.
+    pub pressure: T,
+    /// U* in m.
+    pub length: T,
+    /// V* in m/s.
+    pub speed: T,
+    pub parameters: [(Parameter, T); DETERMINED],
+}
+
+/// The groups, by the formulas
+///
+/// ```text
+/// k* = k1 (l0/l1 - 1)(1 + l1/R2) - k2          t* = sqrt(B2/(k* R2^2))       V* = R1/t*
+/// T* = U*/(alpha1 (1 + nu1) R1)                P* = alpha1 E1 T*/(1 - 2 nu1)
+/// b  = { k3 R2^4 - (2/3) k2 R2^2 + k1 R2 (R2 + l1)/6 [(l0/l1)(1 + 3 R2/l1 + 3 (R2/l1)^2) - 1] } t*^2/B2
+/// epsilon = 2 pi R1^2 P* t*^2/B2               h1 = 2 h/epsilon,   h = c R2^2 t*/(2 B2)
+/// omega_tilde = t* a1/R1^2                     Bi = alphaT R1/lambda1        k_w = P* Kw R1/U*
+/// gamma = (1 - eta) E1 alpha1 a1/(lambda1 (1 - 2 nu1))
+/// F0 = f0, alpha = f1 V*, beta = f3 V*^3       omega_0 = omega' t*, omega_k = Omega_k t*, zeta_k = Omega_a t*
+/// ```
+///
+/// with k1, k2, k3, c and B2 over the contact length. `gamma` is the paper's gamma times its omega-tilde. Where k* is not
+/// positive, t* is no number, nor is what depends on it.
+pub(super) fn groups<T: Number>(of: impl Fn(Q) -> T) -> Groups<T> {
+    let number = T::constant;
+    let one = number(1.0);
+    let contact_length = of(Q::Length);
+    let [k1, k2, k3, c, b2] = [
+        Q::RadialStiffness,
+        Q::TangentStiffness,
+        Q::TangentCubicStiffness,
+        Q::Damping,
+        Q::Inertia,
+    ]
+    .map(|quantity| of(quantity) / contact_length);
+    let (r1, r2) = (of(Q::ShaftRadius), of(Q::BushRadius));
+    let (l0, l1) = (of(Q::SpringFreeLength), of(Q::SpringLength));
+    let (expansion, poisson, young) = (of(Q::ThermalExpansion), of(Q::PoissonsRatio), of(Q::YoungsModulus));
+    let (conductivity, diffusivity) = (of(Q::ThermalConductivity), of(Q::ThermalDiffusivity));
+    let interference = of(Q::Interference);
+
+    let spring = k1 * (l0 / l1 - one) * (one + l1 / r2) - k2;
+    let time = (b2 / (spring * r2 * r2)).sqrt();
+    let temperature = interference / (expansion * (one + poisson) * r1);
+    let lateral = one - number(2.0) * poisson;
+    let pressure = expansion * young * temperature / lateral;
+    let speed = r1 / time;
+
+    let ratio = r2 / l1;
+    let radial =
+        k1 * r2 * (r2 + l1) / number(6.0) * (l0 / l1 * (one + number(3.0) * ratio + number(3.0) * ratio * ratio) - one);
+    let tangent = k3 * r2 * r2 * r2 * r2 - number(2.0 / 3.0) * k2 * r2 * r2;
+    let b = (tangent + radial) * time * time / b2;
+    let epsilon = number(2.0 * PI) * r1 * r1 * pressure * time * time / b2;
+    let h = c * r2 * r2 * time / (number(2.0) * b2);
+    let heat = (one - of(Q::WearEnergyShare)) * young * expansion * diffusivity / (conductivity * lateral);
+    Groups {
+        spring,
+        time,
+        temperature,
+        pressure,
+        length: interference,
+        speed,
+        parameters: [
+            (Parameter::ZetaK, of(Q::ShaftSpeedAmplitude) * time),
+            (Parameter::H1, number(2.0) * h / epsilon),
+            (Parameter::Omega0, of(Q::ShaftSpeedFrequency) * time),
+            (Parameter::OmegaK, of(Q::ShaftSpeedMean) * time),
+            (Parameter::B, b),
+            (Parameter::Epsilon, epsilon),
+            (Parameter::F0, of(Q::FrictionDry)),
+            (Parameter::Alpha, of(Q::FrictionLinear) * speed),
+            (Parameter::Beta, of(Q::FrictionCubic) * speed * speed * speed),
+            (Parameter::Gamma, heat),
+            (Parameter::KW, pressure * of(Q::WearCoefficient) * r1 / interference),
+            (Parameter::Biot, of(Q::HeatTransfer) * r1 / conductivity),
+            (Parameter::OmegaTilde, time * diffusivity / (r1 * r1)),
+        ],
+    }
+}
+
+/// The quantity to change where the parameter is to be another; None where no machine determines the parameter.
+pub fn governing(parameter: Parameter) -> Option<Q> {
+    Some(match parameter {
+        Parameter::ZetaK => Q::ShaftSpeedAmplitude,
+        Parameter::H1 => Q::Damping,
+        Parameter::Omega0 => Q::ShaftSpeedFrequency,
+        Parameter::OmegaK => Q::ShaftSpeedMean,
+        Parameter::B => Q::TangentCubicStiffness,
+        Parameter::Epsilon => Q::Interference,
+        Parameter::F0 => Q::FrictionDry,
+        Parameter::Alpha => Q::FrictionLinear,
+        Parameter::Beta => Q::FrictionCubic,
+        Parameter::Gamma => Q::WearEnergyShare,
+        Parameter::KW => Q::WearCoefficient,
+        Parameter::Biot => Q::HeatTransfer,
+        Parameter::OmegaTilde => Q::ThermalDiffusivity,
+        Parameter::Epsilon0 | Parameter::RampRate | Parameter::X0 | Parameter::Y0 => return None,
+    })
+}

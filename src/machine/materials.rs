@@ -1,0 +1,116 @@
+//! The table of materials of the shaft, with sources.
+//!
+//! Owns the values; knows no formula.
+
+use super::quantities::SiQuantity;
+
+/// Constants of a material at room temperature.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// The name used in files.
+    pub name: &'static str,
+    /// What it is.
+    pub title: &'static str,
+    /// E1 in Pa, nu1, alpha1 in 1/K, lambda1 in W/(m K) and a1 in m^2/s.
+    pub constants: [f64; 5],
+    /// Where melting begins, in K.
+    pub melting_point: f64,
+    /// Yield strength in Pa; where a material has none, its tensile strength.
+    pub yield_strength: f64,
+    pub source: &'static str,
+}
+
+/// The quantities that a material gives, in the order of [`Material::constants`].
+pub const CONSTANTS: [SiQuantity; 5] = [
+    SiQuantity::YoungsModulus,
+    SiQuantity::PoissonsRatio,
+    SiQuantity::ThermalExpansion,
+    SiQuantity::ThermalConductivity,
+    SiQuantity::ThermalDiffusivity,
+];
+
+impl Material {
+    /// Finds a material by its name.
+    pub fn from_name(name: &str) -> Option<&'static Self> {
+        MATERIALS.iter().find(|material| material.name == name)
+    }
+
+    /// The value of a quantity, if it is one that a material gives.
+    pub fn constant(&self, quantity: SiQuantity) -> Option<f64> {
+        let place = CONSTANTS.iter().position(|constant| *constant == quantity)?;
+        Some(self.constants[place])
+    }
+}
+
+/// Every material, the paper's first. Diffusivities that a source does not list are conductivity over density and specific
+/// heat, all of that source.
+pub const MATERIALS: &[Material] = &[
+    Material {
+        name: "paper_steel",
+        title: "steel of Awrejcewicz and Pyryev",
+        constants: [190e9, 0.3, 14e-6, 21.0, 5.9e-6],
+        melting_point: 1670.0,
+        yield_strength: 205e6,
+        source: "Awrejcewicz and Pyryev (2006), section 5; melting point and yield strength, which they do not state, are \
+                 those of stainless_304",
+    },
+    Material {
+        name: "stainless_304",
+        title: "stainless steel AISI 304, annealed",
+        constants: [193e9, 0.3, 17.2e-6, 14.9, 3.95e-6],
+        melting_point: 1670.0,
+        yield_strength: 205e6,
+        source: "Callister, Materials Science and Engineering, appendix B; heat and melting: Incropera and DeWitt, \
+                 Fundamentals of Heat and Mass Transfer, table A.1 (300 K)",
+    },
+    Material {
+        name: "carbon_steel_1020",
+        title: "plain carbon steel AISI 1020, hot rolled",
+        constants: [207e9, 0.3, 11.7e-6, 51.9, 13.6e-6],
+        melting_point: 1750.0,
+        yield_strength: 210e6,
+        source: "Callister, appendix B (7850 kg/m³, 486 J/(kg K)); melting: iron-carbon diagram at 0.2 % carbon, rounded \
+                 down",
+    },
+    Material {
+        name: "grey_iron",
+        title: "grey cast iron SAE G3000, as cast",
+        constants: [101e9, 0.26, 11.4e-6, 46.0, 11.6e-6],
+        melting_point: 1427.0,
+        yield_strength: 207e6,
+        source: "Callister, appendix B (middle of 90 to 113 GPa; 7300 kg/m³, 544 J/(kg K); tensile strength); melting: \
+                 eutectic of iron and graphite",
+    },
+    Material {
+        name: "aluminium_6061",
+        title: "aluminium alloy 6061-T6",
+        constants: [69e9, 0.33, 23.6e-6, 167.0, 69.0e-6],
+        melting_point: 855.0,
+        yield_strength: 276e6,
+        source: "ASM Metals Handbook, volume 2 (2700 kg/m³, 896 J/(kg K), solidus 582 °C); Callister, appendix B",
+    },
+    Material {
+        name: "copper",
+        title: "copper C11000, electrolytic tough pitch, hot rolled",
+        constants: [115e9, 0.33, 17.0e-6, 388.0, 113e-6],
+        melting_point: 1338.0,
+        yield_strength: 69e6,
+        source: "Callister, appendix B (8890 kg/m³, 385 J/(kg K)); ASM Metals Handbook, volume 2 (solidus 1065 °C)",
+    },
+    Material {
+        name: "brass",
+        title: "cartridge brass C26000, annealed",
+        constants: [110e9, 0.35, 19.9e-6, 120.0, 37.5e-6],
+        melting_point: 1188.0,
+        yield_strength: 75e6,
+        source: "Callister, appendix B (8530 kg/m³, 375 J/(kg K)); ASM Metals Handbook, volume 2 (solidus 915 °C)",
+    },
+    Material {
+        name: "titanium_6al_4v",
+        title: "titanium alloy Ti-6Al-4V, annealed",
+        constants: [114e9, 0.34, 8.6e-6, 6.7, 2.48e-6],
+        melting_point: 1877.0,
+        yield_strength: 830e6,
+        source: "Callister, appendix B (4430 kg/m³, 610 J/(kg K)); ASM Metals Handbook, volume 2 (solidus 1604 °C)",
+    },
+];

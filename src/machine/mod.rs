@@ -1,0 +1,199 @@
+//! A bush-shaft machine in SI units, and the dimensionless parameters and scales that follow from it.
+//!
+//! Owns which values make a machine and what follows from them; knows nothing of axes, and opens no file.
+//!
+//! ```
+//! use tribochaos::machine::{self, Description};
+//! use tribochaos::parameters::{Parameter, ParameterSet};
+//!
+//! let machine = Description::from_toml(machine::TEMPLATE)?.complete(&[])?;
+//! let parameters = machine.parameters(&ParameterSet::default());
+//! assert!((parameters[Parameter::Epsilon] - 0.1).abs() < 1e-3);
+//! assert!((machine.scales().time - 0.01695).abs() < 1e-5);
+//! # Ok::<(), tribochaos::machine::MachineError>(())
+//! ```
+
+mod description;
+mod dual;
+mod error;
+mod groups;
+mod materials;
+mod plausibility;
+mod quantities;
+mod sensitivities;
+#[cfg(test)]
+mod tests;
+pub mod units;
+
+pub use description::{Description, TEMPLATE};
+pub use error::MachineError;
+use groups::Groups;
+pub use groups::governing;
+pub use materials::{CONSTANTS, MATERIALS, Material};
+pub use plausibility::plausibility_warnings;
+pub use quantities::{SI_QUANTITIES, SiQuantity, SiQuantityInfo};
+pub use sensitivities::{Sensitivities, sensitivities};
+
+use crate::parameters::{Parameter, ParameterSet};
+
+/// Temperatures and strength by which results are judged; they enter no formula.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// T0 in K.
+    pub ambient_temperature: f64,
+    /// In K, if known.
+    pub melting_point: Option<f64>,
+    /// In Pa, if known.
+    pub yield_strength: Option<f64>,
+}
+
+/// A machine: a value for every quantity. [`Description::complete`] makes it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Machine {
+    values: [f64; SiQuantity::COUNT],
+    /// Whether values are those of whole parts; if not, the contact length is 1.
+    is_whole: bool,
+    material: Option<&'static Material>,
+    limits: Limits,
+}
+
+/// What a dimensionless result is to be multiplied with to be one in SI units: equation (2.7).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scales {
+    /// t* in s.
+    pub time: f64,
+    /// T* in K.
+    pub temperature: f64,
+    /// P* in Pa.
+    pub pressure: f64,
+    /// U* in m.
+    pub length: f64,
+    /// V* in m/s.
+    pub speed: f64,
+}
+
+impl Machine {
+    /// The value of a quantity in the unit that [`Machine::unit`] tells.
+    pub fn value(&self, quantity: SiQuantity) -> f64 {
+        self.values[quantity as usize]
+    }
+
+    /// The machine with one value replaced (not checked).
+    #[must_use]
+    pub fn with(mut self, quantity: SiQuantity, value: f64) -> Self {
+        self.values[quantity as usize] = value;
+        self
+    }
+
+    /// The unit of a quantity's value: that of the whole part where the contact length is given.
+    pub fn unit(&self, quantity: SiQuantity) -> &'static str {
+        let info = quantity.info();
+        match info.whole_unit {
+            Some(whole) if self.is_whole => whole,
+            _ => info.unit,
+        }
+    }
+
+    /// The quantities that are values of this machine: the contact length only where it is given.
+    pub fn quantities(&self) -> impl Iterator<Item = SiQuantity> + use<> {
+        let is_whole = self.is_whole;
+        SI_QUANTITIES
+            .iter()
+            .map(|info| info.quantity)
+            .filter(move |quantity| is_whole || *quantity != SiQuantity::Length)
+    }
+
+    pub fn material(&self) -> Option<&'static Material> {
+        self.material
+    }
+
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    fn groups(&self) -> Groups<f64> {
+        groups::groups(|quantity| self.value(quantity))
+    }
+
+    /// k* in N/m^2, per metre of contact length.
+    pub fn spring(&self) -> f64 {
+        self.groups().spring
+    }
+
+    /// What leads back to SI units; no numbers where k* is not positive.
+    pub fn scales(&self) -> Scales {
+        let groups = self.groups();
+        Scales {
+            time: groups.time,
+            temperature: groups.temperature,
+            pressure: groups.pressure,
+            length: groups.length,
+            speed: groups.speed,
+        }
+    }
+
+    /// The dimensionless parameters, of which the machine leaves `epsilon_0`, `ramp_rate`, `x0` and `y0` as they are in
+    /// `free`. They are no numbers where k* is not positive.
+    pub fn parameters(&self, free: &ParameterSet) -> ParameterSet {
+        let groups = self.groups();
+        groups
+            .parameters
+            .iter()
+            .fold(*free, |set, &(parameter, value)| set.with(parameter, value))
+    }
+
+    /// Checks that the machine has parameters, all within their ranges.
+    ///
+    /// # Errors
+    /// [`MachineError::Range`] for a value out of its range, [`MachineError::Spring`] where k* is not positive,
+    /// [`MachineError::Group`] for a parameter out of its range.
+    pub fn check(&self) -> Result<(), MachineError> {
+        for quantity in self.quantities() {
+            self.check_value(quantity, self.value(quantity))?;
+        }
+        self.check_groups()
+    }
+
+    /// Checks that a quantity may have a value.
+    ///
+    /// # Errors
+    /// [`MachineError::Range`], also for NaN and infinities.
+    pub fn check_value(&self, quantity: SiQuantity, value: f64) -> Result<(), MachineError> {
+        description::check_range(quantity, value, self.unit(quantity))
+    }
+
+    /// As [`Machine::check`], of a machine whose values are within their ranges.
+    ///
+    /// # Errors
+    /// As [`Machine::check`].
+    pub fn check_groups(&self) -> Result<(), MachineError> {
+        let groups = self.groups();
+        let k_star = groups.spring;
+        if k_star <= 0.0 {
+            let value = |quantity| self.value(quantity);
+            let (l0, l1) = (value(SiQuantity::SpringFreeLength), value(SiQuantity::SpringLength));
+            let lever = 1.0 + l1 / value(SiQuantity::BushRadius);
+            let ratio = value(SiQuantity::TangentStiffness) / value(SiQuantity::RadialStiffness);
+            return Err(MachineError::Spring {
+                k_star,
+                l0,
+                l1,
+                least: l1 * (1.0 + ratio / lever),
+            });
+        }
+        for (parameter, value) in groups.parameters {
+            if let Err(source) = parameter.check(value) {
+                return Err(MachineError::Group {
+                    source,
+                    governing: governing(parameter).expect("a machine determines its groups"),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a parameter changes with a quantity, to first order around this machine.
+    pub fn moves(&self, quantity: SiQuantity, parameter: Parameter) -> bool {
+        sensitivities::slope(self, quantity, parameter) != 0.0
+    }
+}

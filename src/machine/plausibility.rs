@@ -1,0 +1,157 @@
+//! Whether a machine, and what it does, could exist.
+//!
+//! Owns the bounds and the words of the warnings; what is wrong in itself is refused elsewhere.
+
+use std::f64::consts::PI;
+
+use super::units::si;
+use super::{Limits, Machine, SiQuantity};
+
+/// A value is warned of where it is this many times outside the usual range...
+const FAR: f64 = 10.0;
+
+/// ...and a bush whose mean density lies outside these, in kg/m^3, by that factor: from plastic to tungsten.
+const DENSITIES: (f64, f64) = (1e3, 2e4);
+
+/// How far a magnitude lies outside a range, in orders of magnitude, if [`FAR`]; negative below.
+fn orders(value: f64, (low, high): (f64, f64)) -> Option<f64> {
+    let value = value.abs();
+    if value > 0.0 && value * FAR <= low * (1.0 + 1e-9) {
+        Some((value / low).log10())
+    } else if value >= FAR * high * (1.0 - 1e-9) {
+        Some((value / high).log10())
+    } else {
+        None
+    }
+}
+
+fn far(orders: f64) -> String {
+    let side = if orders < 0.0 { "below" } else { "above" };
+    format!("{:.1} orders of magnitude {side}", orders.abs())
+}
+
+/// What is unlikely of machines, which are the corners of a region: values outside the usual ranges by an order of magnitude
+/// or more, and a bush of an impossible density. Each a sentence.
+///
+/// # Panics
+/// If there is no machine.
+pub fn plausibility_warnings(corners: &[Machine]) -> Vec<String> {
+    let machine = corners.first().expect("a region has corners");
+    let worst = |value: &dyn Fn(&Machine) -> f64, range| {
+        let judged = corners.iter().filter_map(|corner| {
+            let value = value(corner);
+            orders(value, range).map(|orders| (value, orders))
+        });
+        judged.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+    };
+    let mut warnings = Vec::new();
+    for quantity in machine.quantities() {
+        let info = quantity.info();
+        // whole parts are judged per metre
+        let value = |corner: &Machine| {
+            let value = corner.value(quantity);
+            let contact_length = corner.value(SiQuantity::Length);
+            if quantity.is_extensive() {
+                value / contact_length
+            } else {
+                value
+            }
+        };
+        if let Some((value, orders)) = worst(&value, info.usual) {
+            warnings.push(format!(
+                "{} = {} is {} what machines have ({} to {})",
+                info.name,
+                si(value, info.unit),
+                far(orders),
+                si(info.usual.0, info.unit),
+                si(info.usual.1, info.unit)
+            ));
+        }
+    }
+    if let Some((density, orders)) = worst(&density, DENSITIES) {
+        warnings.push(format!(
+            "inertia: a bush between the radii of shaft and bush would need a density of {density:.2e} kg/m³, {} what \
+             materials have ({} to {} kg/m³); inertia is {} here",
+            far(orders),
+            DENSITIES.0,
+            DENSITIES.1,
+            match machine.unit(SiQuantity::Inertia) {
+                "kg m" => "per metre of contact length (give `length` if it is the whole bush's)",
+                _ => "the whole bush's",
+            }
+        ));
+    }
+    warnings
+}
+
+/// Of a tube from R1 to R2 with the bush's moment of inertia, B2 = (pi/2) rho (R2^4 - R1^4); NaN if R2 is not above R1.
+fn density(machine: &Machine) -> f64 {
+    let value = |quantity| machine.value(quantity);
+    let (r1, r2) = (value(SiQuantity::ShaftRadius), value(SiQuantity::BushRadius));
+    let inertia = value(SiQuantity::Inertia) / value(SiQuantity::Length);
+    if r2 > r1 {
+        2.0 * inertia / (PI * (r2.powi(4) - r1.powi(4)))
+    } else {
+        f64::NAN
+    }
+}
+
+/// By which factor a limit of the material is passed, and what it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Beyond {
+    /// The surface is hotter than this, in K.
+    Melting { reached: f64, limit: f64 },
+    /// The contact pressure is above the yield strength, in Pa.
+    Yield { reached: f64, limit: f64 },
+}
+
+impl Beyond {
+    /// How many times the limit is reached.
+    pub fn factor(&self) -> f64 {
+        match self {
+            Self::Melting { reached, limit } | Self::Yield { reached, limit } => reached / limit,
+        }
+    }
+}
+
+impl std::fmt::Display for Beyond {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Melting { reached, limit } => write!(
+                f,
+                "the surface would be at {}, and the shaft melts at {}",
+                si(*reached, "K"),
+                si(*limit, "K")
+            ),
+            Self::Yield { reached, limit } => write!(
+                f,
+                "the contact pressure would be {}, and the shaft yields at {}",
+                si(*reached, "Pa"),
+                si(*limit, "Pa")
+            ),
+        }
+    }
+}
+
+impl Machine {
+    /// The limits of the material that dimensionless peaks of the pressure p and of the surface temperature theta(1, tau)
+    /// pass: there the results are fiction. Peaks that are no numbers pass none.
+    pub fn beyond(&self, peak_pressure: f64, peak_temperature: f64) -> Vec<Beyond> {
+        let scales = self.scales();
+        let Limits {
+            ambient_temperature,
+            melting_point,
+            yield_strength,
+        } = self.limits;
+        let melting = melting_point.map(|limit| Beyond::Melting {
+            reached: ambient_temperature + scales.temperature * peak_temperature,
+            limit,
+        });
+        let pressed = yield_strength.map(|limit| Beyond::Yield {
+            reached: scales.pressure * peak_pressure,
+            limit,
+        });
+        let all = melting.into_iter().chain(pressed);
+        all.filter(|beyond| beyond.factor() > 1.0).collect()
+    }
+}
