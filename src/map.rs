@@ -2,8 +2,11 @@
 //!
 //! Owns computed data in memory; neither computes nor draws nor stores them.
 
+use std::collections::BTreeMap;
+
 use crate::experiment::Experiment;
 use crate::grid::Axis;
+use crate::machine::Beyond;
 use crate::measurement::{BackendKind, Class, Measurement, QUANTITIES, Quantity};
 
 /// Values of every quantity at every point of a two-dimensional grid; x varies fastest.
@@ -35,6 +38,45 @@ impl ParameterMap {
     /// Values of a quantity, x fastest; NaN where not computed or not applicable.
     pub fn column(&self, quantity: Quantity) -> &[f64] {
         &self.columns[quantity as usize]
+    }
+
+    /// Values of a quantity in SI units, by the machine of each point; None without a machine, or for a pure number.
+    pub fn si_column(&self, quantity: Quantity) -> Option<Vec<f64>> {
+        let scale = quantity.scale()?;
+        let grid = &self.experiment.grid;
+        let values = self.column(quantity).iter().enumerate();
+        values
+            .map(|(index, value)| Some(value * grid.machine(index)?.scales().of(scale)))
+            .collect()
+    }
+
+    /// Where the results are fiction, since the material of the machine would melt or yield, each kind a sentence: at how
+    /// many points, and the worst.
+    pub fn beyond_limits(&self) -> Vec<String> {
+        let grid = &self.experiment.grid;
+        let (pressures, temperatures) = (
+            self.column(Quantity::PeakPressure),
+            self.column(Quantity::PeakTemperature),
+        );
+        let mut kinds: BTreeMap<&str, (usize, usize, Beyond)> = BTreeMap::new();
+        for index in 0..grid.len() {
+            let Some(machine) = grid.machine(index) else { break };
+            for beyond in machine.beyond(pressures[index], temperatures[index]) {
+                let (count, worst, most) = kinds.entry(beyond.name()).or_insert((0, index, beyond));
+                *count += 1;
+                if beyond.factor() > most.factor() {
+                    (*worst, *most) = (index, beyond);
+                }
+            }
+        }
+        let warnings = kinds.values().map(|(count, index, beyond)| {
+            let share = 100.0 * *count as f64 / grid.len() as f64;
+            format!(
+                "fiction at {count} points ({share:.1} %): at {}, the worst, {beyond}",
+                grid.place(*index)
+            )
+        });
+        warnings.collect()
     }
 
     pub fn column_mut(&mut self, quantity: Quantity) -> &mut [f64] {

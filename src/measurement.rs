@@ -4,6 +4,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::machine::Scale;
+
 /// How the integration of an instance ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Status {
@@ -344,6 +346,28 @@ quantity_table! {
 
 impl Quantity {
     pub const COUNT: usize = QUANTITIES.len();
+
+    /// What leads from the quantity to one in SI units, of quantities that a machine gives a dimension.
+    pub fn scale(self) -> Option<Scale> {
+        match self {
+            Self::ContactTime | Self::PeakPressureTime | Self::RunawayTime | Self::LyapunovInterval => {
+                Some(Scale::Time)
+            }
+            Self::PeakPressure => Some(Scale::Pressure),
+            Self::FinalWear => Some(Scale::Length),
+            Self::PeakTemperature => Some(Scale::Temperature),
+            _ => None,
+        }
+    }
+
+    /// For axes and colour bars in SI units.
+    pub fn si_label(self) -> &'static str {
+        match self {
+            Self::PeakPressure => "greatest contact pressure P",
+            Self::PeakTemperature => "greatest rise of the surface temperature, T − T₀",
+            _ => self.info().label,
+        }
+    }
 
     /// What a map of instances that wear, or that do not, is drawn of unless asked otherwise.
     pub fn drawn(wears: bool) -> &'static [Self] {

@@ -104,16 +104,9 @@ impl Parameter {
         if let Some(info) = PARAMETERS.iter().find(|info| info.name == name) {
             return Ok(info.parameter);
         }
-        let typed = name.to_lowercase();
-        let suggestion = PARAMETERS
-            .iter()
-            .map(|info| (strsim::jaro_winkler(&typed, info.name), info.name))
-            .max_by(|a, b| a.0.total_cmp(&b.0))
-            .filter(|(similarity, _)| *similarity > 0.8)
-            .map(|(_, near)| near);
         Err(ParameterError::Unknown {
             name: name.to_owned(),
-            suggestion,
+            suggestion: nearest(name, PARAMETERS.iter().map(|info| info.name)),
         })
     }
 
@@ -134,6 +127,16 @@ impl Parameter {
             })
         }
     }
+}
+
+/// The known name that is likely to be meant by a typed one, if any is.
+pub(crate) fn nearest(typed: &str, known: impl Iterator<Item = &'static str>) -> Option<&'static str> {
+    let typed = typed.to_lowercase();
+    known
+        .map(|known| (strsim::jaro_winkler(&typed, known), known))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .filter(|(similarity, _)| *similarity > 0.8)
+        .map(|(_, near)| near)
 }
 
 impl fmt::Display for Parameter {

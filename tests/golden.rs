@@ -54,7 +54,7 @@ fn grid() -> Grid {
     let axis = |parameter, stop| Axis::new(parameter, 0.0, stop, 32).expect("within the range");
     Grid {
         axes: vec![axis(Parameter::ZetaK, 6.0), axis(Parameter::H1, 1.5)],
-        fixed: ParameterSet::default(),
+        fixed: ParameterSet::default().into(),
     }
 }
 

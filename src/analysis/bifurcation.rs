@@ -5,11 +5,12 @@
 use std::ops::ControlFlow;
 
 use super::Progress;
+use super::exponents;
 use super::orbits::{is_bounded, stroboscopic_states};
 use crate::backend::{Backend, BackendError};
 use crate::experiment::Settings;
-use crate::grid::{Axis, Grid};
-use crate::parameters::{Parameter, ParameterSet};
+use crate::grid::{Axis, Fixed, Grid};
+use crate::parameters::ParameterSet;
 
 /// Where the orbits of a column begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -28,6 +29,8 @@ pub enum Columns {
 #[derive(Clone, Debug)]
 pub struct Diagram {
     pub axis: Axis,
+    /// All else.
+    pub fixed: Fixed,
     /// [x, y] of every measured period of every orbit, for each value of the axis.
     pub columns: Vec<Vec<[f64; 2]>>,
     /// Orbits that ran away, or that the scheme gave up as under-resolved.
@@ -45,7 +48,7 @@ impl Diagram {
     }
 }
 
-/// The bifurcation diagram over `axis`, the other parameters being those of `at`: from each of the initial states `starts`
+/// The bifurcation diagram over `axis`, all else being that of `at`: from each of the initial states `starts`
 /// (x, y), or following the attractors that begin there, `settings.periods` states after `settings.transient_periods` in
 /// each column. An orbit that runs away while it is followed begins anew at its initial state. None if `progress` broke the
 /// work off.
@@ -55,7 +58,7 @@ impl Diagram {
 pub fn diagram(
     backend: &mut dyn Backend,
     settings: &Settings,
-    at: &ParameterSet,
+    at: &Fixed,
     axis: &Axis,
     starts: &[[f64; 2]],
     columns: Columns,
@@ -63,6 +66,7 @@ pub fn diagram(
 ) -> Result<Option<Diagram>, BackendError> {
     let mut diagram = Diagram {
         axis: *axis,
+        fixed: *at,
         columns: vec![Vec::new(); axis.count],
         runaways: 0,
     };
@@ -70,7 +74,7 @@ pub fn diagram(
         axes: vec![*axis],
         fixed: *at,
     };
-    let from = |column: usize, [x, y]: [f64; 2]| grid.point(column).with(Parameter::X0, x).with(Parameter::Y0, y);
+    let from = |column: usize, start: [f64; 2]| exponents::from(&grid.point(column), start);
     if columns == Columns::Fresh {
         let instances: Vec<ParameterSet> = (0..axis.count)
             .flat_map(|column| starts.iter().map(move |&start| (column, start)))
@@ -120,7 +124,7 @@ mod tests {
             ..Settings::default()
         };
         let axis = Axis::parse(axis).unwrap();
-        let at = ParameterSet::default();
+        let at = ParameterSet::default().into();
         let mut backend = CpuBackend::new(Precision::F64);
         diagram(&mut backend, &settings, &at, &axis, starts, columns, &mut carry_on)
             .unwrap()

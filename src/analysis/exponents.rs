@@ -4,7 +4,7 @@
 
 use crate::backend::BackendError;
 use crate::experiment::Settings;
-use crate::grid::{Axis, Grid};
+use crate::grid::{Axis, Fixed, Grid};
 use crate::measurement::Measurement;
 use crate::parameters::{Parameter, ParameterSet};
 use crate::sweep::{Backends, Observer};
@@ -13,13 +13,15 @@ use crate::sweep::{Backends, Observer};
 #[derive(Clone, Debug)]
 pub struct Line {
     pub axis: Axis,
+    /// All else.
+    pub fixed: Fixed,
     /// Initial state (x, y).
     pub start: [f64; 2],
     /// In the order of the axis.
     pub measurements: Vec<Measurement>,
 }
 
-/// Measures the points of `axis` from each of the initial states, the other parameters being those of `at`; None if the
+/// Measures the points of `axis` from each of the initial states, all else being that of `at`; None if the
 /// observer broke it off.
 ///
 /// # Errors
@@ -27,7 +29,7 @@ pub struct Line {
 pub fn lines(
     backends: &mut Backends,
     settings: &Settings,
-    at: &ParameterSet,
+    at: &Fixed,
     axis: &Axis,
     starts: &[[f64; 2]],
     observer: &mut Observer<'_>,
@@ -36,7 +38,7 @@ pub fn lines(
     for &start in starts {
         let grid = Grid {
             axes: vec![*axis],
-            fixed: from(at, start),
+            fixed: at.from_state(start),
         };
         let indices: Vec<usize> = (0..axis.count).collect();
         let Some(measurements) = backends.measure(&grid, settings, &indices, observer)? else {
@@ -44,6 +46,7 @@ pub fn lines(
         };
         lines.push(Line {
             axis: *axis,
+            fixed: grid.fixed,
             start,
             measurements,
         });

@@ -5,7 +5,7 @@
 use rayon::prelude::*;
 
 use crate::experiment::Experiment;
-use crate::grid::Axis;
+use crate::grid::{Axis, Fixed};
 use crate::model::melnikov::{self, Melnikov, MelnikovError, Search, Threshold};
 use crate::parameters::{Parameter, ParameterSet};
 
@@ -14,39 +14,52 @@ use crate::parameters::{Parameter, ParameterSet};
 pub struct Curve {
     pub search: Search,
     pub over: Axis,
+    /// All else.
+    pub fixed: Fixed,
     /// In the order of the axis.
     pub thresholds: Vec<Threshold>,
 }
 
-/// The threshold in `search`'s parameter over `over`, the other parameters being those of `at`; where b is not positive
+/// The threshold in `search`'s parameter over `over`, all else being that of `at`; where b is not positive
 /// there is none.
 ///
 /// # Errors
 /// If both parameters are the same, or no value of the axis has a homoclinic orbit.
-pub fn threshold_curve(at: &ParameterSet, search: &Search, over: &Axis) -> Result<Curve, CurveError> {
-    if over.parameter == search.parameter {
+pub fn threshold_curve(at: &Fixed, search: &Search, over: &Axis) -> Result<Curve, CurveError> {
+    if over.coordinate == search.parameter.into() {
         return Err(CurveError::SameParameter {
-            name: over.parameter.name(),
+            name: over.coordinate.name(),
         });
     }
+    let thresholds = thresholds(over, |value| {
+        melnikov::threshold(at.at([(over.coordinate, value)]).parameters(), search)
+    })?;
+    Ok(Curve {
+        search: *search,
+        over: *over,
+        fixed: *at,
+        thresholds,
+    })
+}
+
+/// What `find` finds at each value of the axis; nothing where there is no homoclinic orbit.
+fn thresholds(
+    over: &Axis,
+    find: impl Fn(f64) -> Result<Threshold, MelnikovError> + Sync,
+) -> Result<Vec<Threshold>, CurveError> {
     let found: Vec<Result<Threshold, MelnikovError>> = (0..over.count)
         .into_par_iter()
-        .map(|index| melnikov::threshold(&at.with(over.parameter, over.value(index)), search))
+        .map(|index| find(over.value(index)))
         .collect();
     if let Some(Err(error)) = found.iter().find(|found| found.is_err())
         && found.iter().all(Result::is_err)
     {
         return Err(CurveError::Melnikov(error.clone()));
     }
-    let thresholds = found
+    Ok(found
         .into_iter()
         .map(|found| found.unwrap_or(Threshold::Never))
-        .collect();
-    Ok(Curve {
-        search: *search,
-        over: *over,
-        thresholds,
-    })
+        .collect())
 }
 
 /// Values at which the curve over a map is computed.
@@ -64,8 +77,11 @@ pub fn curve_over_map(experiment: &Experiment) -> Result<Vec<[f64; 2]>, CurveErr
     let [x, y] = experiment.grid.axes[..] else {
         return Err(CurveError::NoMap);
     };
-    let depends = |axis: &Axis| melnikov::check_parameter(axis.parameter).is_ok();
     let fixed = &experiment.grid.fixed;
+    let depends = |axis: &Axis| {
+        let mut moved = melnikov::PARAMETERS.iter();
+        moved.any(|parameter| fixed.moves(axis.coordinate, *parameter))
+    };
     let along_x = depends(&x).then(|| curve_along(fixed, &x, &y));
     if let Some(Ok(points)) = along_x {
         return Ok(points);
@@ -75,35 +91,37 @@ pub fn curve_over_map(experiment: &Experiment) -> Result<Vec<[f64; 2]>, CurveErr
         (_, Some(Ok(points))) => Ok(points.into_iter().map(|[y, x]| [x, y]).collect()),
         (Some(Err(error)), _) | (_, Some(Err(error))) => Err(error),
         _ => Err(CurveError::NeitherAxis {
-            x: x.parameter.name(),
-            y: y.parameter.name(),
+            x: x.coordinate.name(),
+            y: y.coordinate.name(),
         }),
     }
 }
 
-/// Points (threshold in `along`'s parameter, value of `over`).
-fn curve_along(fixed: &ParameterSet, along: &Axis, over: &Axis) -> Result<Vec<[f64; 2]>, CurveError> {
-    let mut search = Search::new(
-        along.parameter,
-        along.start.min(along.stop),
-        along.start.max(along.stop),
-    )?;
-    search.steps = MAP_STEPS;
+/// Points (threshold along `along`, value of `over`).
+fn curve_along(fixed: &Fixed, along: &Axis, over: &Axis) -> Result<Vec<[f64; 2]>, CurveError> {
+    let (low, high) = (along.start.min(along.stop), along.start.max(along.stop));
     let over = Axis {
         count: over.count.min(MAP_VALUES),
         ..*over
     };
-    let curve = threshold_curve(fixed, &search, &over)?;
-    if curve.thresholds.iter().all(|threshold| threshold.value().is_none()) {
-        let below = curve.thresholds.contains(&Threshold::BelowRange);
+    let thresholds = thresholds(&over, |row| {
+        let at = |value: f64| {
+            *fixed
+                .at([(over.coordinate, row), (along.coordinate, value)])
+                .parameters()
+        };
+        melnikov::threshold_along(&at, [low, high], MAP_STEPS)
+    })?;
+    if thresholds.iter().all(|threshold| threshold.value().is_none()) {
+        let below = thresholds.contains(&Threshold::BelowRange);
         return Err(CurveError::NotOnMap {
-            name: along.parameter.name(),
-            low: search.low,
-            high: search.high,
+            name: along.coordinate.name(),
+            low,
+            high,
             place: if below { "at the lower end already" } else { "nowhere" },
         });
     }
-    let points = curve.thresholds.iter().enumerate();
+    let points = thresholds.iter().enumerate();
     Ok(points
         .map(|(index, threshold)| [threshold.value().unwrap_or(f64::NAN), over.value(index)])
         .collect())

@@ -11,9 +11,8 @@
 use super::exponents::{Line, lines};
 use crate::backend::BackendError;
 use crate::experiment::{Scheme, Settings};
-use crate::grid::Axis;
+use crate::grid::{Axis, Fixed};
 use crate::measurement::{Class, Measurement};
-use crate::parameters::ParameterSet;
 use crate::sweep::{Backends, Observer};
 
 /// What counts as chaos at the onset, and how finely the bracket is scanned.
@@ -92,7 +91,7 @@ pub enum Onset {
 pub fn onset(
     backends: &mut Backends,
     definition: &Definition,
-    at: &ParameterSet,
+    at: &Fixed,
     coarse: &[Line],
     observer: &mut Observer<'_>,
 ) -> Result<Option<Onset>, BackendError> {
@@ -119,7 +118,7 @@ pub fn onset(
 pub fn scan(
     backends: &mut Backends,
     definition: &Definition,
-    at: &ParameterSet,
+    at: &Fixed,
     axis: &Axis,
     starts: &[[f64; 2]],
     observer: &mut Observer<'_>,
@@ -167,7 +166,7 @@ fn fine_axis(coarse: &Axis, low: f64, high: f64, spacing: f64) -> Axis {
     let first = (low / spacing + 1e-6).floor();
     let last = (high / spacing - 1e-6).ceil().max(first + 1.0);
     Axis {
-        parameter: coarse.parameter,
+        coordinate: coarse.coordinate,
         start: first * spacing,
         stop: last * spacing,
         count: (last - first) as usize + 1,

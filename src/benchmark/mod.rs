@@ -24,7 +24,7 @@ pub fn grid() -> Result<Grid, AxisError> {
             Axis::new(Parameter::ZetaK, 0.0, 12.0, SIDE)?,
             Axis::new(Parameter::H1, 0.0, 2.0, SIDE)?,
         ],
-        fixed: ParameterSet::default(),
+        fixed: ParameterSet::default().into(),
     })
 }
 
@@ -48,7 +48,7 @@ pub fn rubbed_points(stride: usize) -> Result<Vec<ParameterSet>, AxisError> {
             Axis::new(Parameter::ZetaK, 3.0, 4.5, SIDE)?,
             Axis::new(Parameter::Gamma, 1.0, 1.87, SIDE / 4)?,
         ],
-        fixed: Preset::Paper.parameters().with(Parameter::KW, 0.0),
+        fixed: Preset::Paper.parameters().with(Parameter::KW, 0.0).into(),
     };
     Ok((0..grid.len()).step_by(stride).map(|index| grid.point(index)).collect())
 }

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
 use clap::Args;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use tribochaos::experiment::{BackendChoice, Experiment, Request};
-use tribochaos::grid::Axis;
+use tribochaos::grid::{Axis, Coordinate, Fixed};
 use tribochaos::output::figure::Figure;
 use tribochaos::output::{PROGRAM, drawing, table};
 use tribochaos::parameters::{PARAMETERS, Parameter, ParameterSet};
@@ -70,26 +70,29 @@ impl StartArgs {
 }
 
 pub fn sets_initial_state(args: &ExperimentArgs) -> bool {
-    let is_initial = |parameter| matches!(parameter, Parameter::X0 | Parameter::Y0);
-    args.set.iter().any(|&(parameter, _)| is_initial(parameter))
+    args.subject.set.iter().any(|&(coordinate, _)| is_initial(coordinate))
+}
+
+fn is_initial(coordinate: Coordinate) -> bool {
+    [Parameter::X0.into(), Parameter::Y0.into()].contains(&coordinate)
 }
 
 /// The experiment over an axis, or at one point; `defaults` come before what was typed. The CPU is taken unless a GPU is
 /// asked for: orbits are read back every period, and f64 leaves no doubt about them.
 pub fn experiment(args: &ExperimentArgs, axis: Option<Axis>, defaults: Request) -> Result<Experiment, Failure> {
     let mut request = defaults;
-    args.apply(&mut request);
+    args.apply(&mut request)?;
     // few points, of which the errors are shown
     request.settings.decide_early = false;
     if request.settings.backend == BackendChoice::Auto {
         request.settings.backend = BackendChoice::Cpu;
     }
     if let Some(axis) = axis
-        && matches!(axis.parameter, Parameter::X0 | Parameter::Y0)
+        && is_initial(axis.coordinate)
     {
         return Err(Failure::Input(anyhow!(
             "the axis is {}: give initial states by --start, or use `map`, whose axes they can be",
-            axis.parameter
+            axis.coordinate
         )));
     }
     let experiment = request
@@ -121,46 +124,81 @@ pub fn choose(experiment: &Experiment) -> Result<Choice, Failure> {
     choice::choose(experiment).map_err(Failure::backend)
 }
 
-/// Several values of one parameter, NAME=V1,V2,...
+/// Several values of one coordinate, NAME=V1,V2,...
 #[derive(Clone, Debug)]
 pub struct Values {
-    pub parameter: Parameter,
+    pub coordinate: Coordinate,
     pub values: Vec<f64>,
 }
 
 pub fn values(text: &str) -> Result<Values, String> {
     let malformed = || format!("`{text}` gives no values: write NAME=V1,V2,..., for example zeta_k=3.5,3.9");
     let (name, list) = text.split_once('=').ok_or_else(malformed)?;
-    let parameter = Parameter::from_name(name.trim()).map_err(|error| error.to_string())?;
+    let coordinate = Coordinate::from_name(name.trim()).map_err(|error| error.to_string())?;
     let values = list
         .split(',')
         .map(|text| {
             let value = text.trim().parse().map_err(|_| malformed())?;
-            parameter.check(value).map_err(|error| error.to_string())?;
+            coordinate.check(value).map_err(|error| error.to_string())?;
             Ok::<f64, String>(value)
         })
         .collect::<Result<Vec<f64>, String>>()?;
-    Ok(Values { parameter, values })
+    Ok(Values { coordinate, values })
+}
+
+impl Values {
+    /// What the values are of, for tables: zeta_k where none are given.
+    pub fn coordinate_of(values: Option<&Self>) -> Coordinate {
+        values.map_or(Parameter::ZetaK.into(), |values| values.coordinate)
+    }
 }
 
 /// The points with the values, or the point itself without any.
 ///
 /// # Errors
-/// If the parameter is set to a value as well.
-pub fn points(
-    values: Option<&Values>,
-    at: &ParameterSet,
-    set: &[(Parameter, f64)],
-) -> Result<Vec<ParameterSet>, Failure> {
-    let Some(Values { parameter, values }) = values else {
+/// If the coordinate is set to a value as well, or follows from a machine, or there is no machine at one of the values.
+pub fn points(values: Option<&Values>, at: &Fixed, set: &[(Coordinate, f64)]) -> Result<Vec<Fixed>, Failure> {
+    let Some(Values { coordinate, values }) = values else {
         return Ok(vec![*at]);
     };
-    if set.iter().any(|(name, _)| name == parameter) {
+    if set.iter().any(|(name, _)| name == coordinate) {
         return Err(Failure::Input(anyhow!(
-            "{parameter} is set and given by --at as well: leave one of the two out"
+            "{coordinate} is set and given by --at as well: leave one of the two out"
         )));
     }
-    Ok(values.iter().map(|&value| at.with(*parameter, value)).collect())
+    coordinate.check_free(at.machine().is_some()).map_err(Failure::input)?;
+    let points: Vec<Fixed> = values.iter().map(|&value| at.at([(*coordinate, value)])).collect();
+    for machine in points.iter().filter_map(Fixed::machine) {
+        machine.check().map_err(Failure::input)?;
+    }
+    Ok(points)
+}
+
+/// The value of a coordinate at a point.
+pub fn value_of(point: &Fixed, coordinate: Coordinate) -> f64 {
+    match (coordinate, point.machine()) {
+        (Coordinate::Parameter(parameter), _) => point[parameter],
+        (Coordinate::Si(quantity), Some(machine)) => machine.value(quantity),
+        (Coordinate::Si(_), None) => f64::NAN,
+    }
+}
+
+/// A note of a table, with the units of coordinates that have some.
+pub fn unit_note(experiment: &Experiment, coordinates: &[Coordinate], note: &str) -> String {
+    let units = coordinates.iter().filter_map(|coordinate| {
+        let unit = experiment.grid.fixed.unit(*coordinate);
+        (unit != "1").then(|| format!("{coordinate} in {unit}"))
+    });
+    let parts: Vec<String> = units.chain([note.to_owned()]).filter(|part| !part.is_empty()).collect();
+    parts.join("; ")
+}
+
+/// Adds the machine to an object of results, if there is one.
+pub fn with_machine(mut object: Value, experiment: &Experiment) -> Value {
+    if let Some(machine) = experiment.machine_description() {
+        object["machine"] = json!(machine);
+    }
+    object
 }
 
 /// Parameters by their names; JSON has no infinity, so that no ramp is null.
@@ -189,6 +227,9 @@ pub fn recipe(command: &str, experiment: &Experiment, options: Value) -> String 
     recipe.insert("options".to_owned(), table(toml::Value::try_from(options)));
     recipe.insert("axes".to_owned(), table(toml::Value::try_from(&experiment.grid.axes)));
     recipe.insert("parameters".to_owned(), parameters.into());
+    if let Some(machine) = experiment.machine_description() {
+        recipe.insert("machine".to_owned(), table(toml::Value::try_from(machine)));
+    }
     recipe.insert(
         "settings".to_owned(),
         table(toml::Value::try_from(&experiment.settings)),
@@ -228,17 +269,17 @@ impl Files {
     }
 
     /// Writes a table with the recipe in its comments.
-    pub fn table<const N: usize>(
+    pub fn table<'a>(
         &mut self,
         drawing: &str,
         notes: &[String],
-        columns: [&str; N],
-        rows: impl Iterator<Item = [f64; N]>,
+        columns: impl AsRef<[&'a str]>,
+        rows: impl Iterator<Item = impl AsRef<[f64]>>,
     ) -> Result<(), Failure> {
         let path = drawing::with_ending(&drawing::with_ending(&self.name, drawing), ".csv");
         let recipe = self.recipe.lines().filter(|line| !line.is_empty()).map(str::to_owned);
         let comments: Vec<String> = notes.iter().cloned().chain(recipe).collect();
-        table::write_table(&path, &comments, columns, rows).map_err(Failure::run)?;
+        table::write_rows(&path, &comments, columns.as_ref(), rows).map_err(Failure::run)?;
         self.written.push(path);
         Ok(())
     }

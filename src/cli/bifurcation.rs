@@ -56,7 +56,7 @@ const MOST_STATES: u64 = 50_000_000;
 
 pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
     let axis = args.x.unwrap_or(Axis {
-        parameter: Parameter::ZetaK,
+        coordinate: Parameter::ZetaK.into(),
         start: 0.0,
         stop: 12.0,
         count: 2400,
@@ -149,9 +149,9 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
             diagram.runaways
         );
     }
-    let shown = [axis.parameter, Parameter::X0, Parameter::Y0];
+    let shown = [axis.coordinate, Parameter::X0.into(), Parameter::Y0.into()];
     let caption = vec![
-        charts::fixed(&experiment.grid.fixed, &shown),
+        caption::fixed(&experiment.grid.fixed, &shown),
         format!("{numerics}{PROGRAM}."),
     ];
     let figure = Sheet::single(panel, caption).draw().map_err(Failure::run)?;
@@ -162,20 +162,24 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
     });
     files.table(
         "",
-        &["states at drive phase 0".to_owned()],
-        [axis.parameter.name(), "x", "y"],
+        &[analysis::unit_note(
+            &experiment,
+            &[axis.coordinate],
+            "states at drive phase 0",
+        )],
+        [axis.coordinate.name(), "x", "y"],
         rows,
     )?;
     if args.out.json {
         let object = json!({
-            "parameters": analysis::parameters(&experiment.grid.fixed),
+            "parameters": analysis::parameters(experiment.grid.fixed.parameters()),
             "axis": axis,
             "columns": columns,
             "starts": starts,
             "states": diagram.len(),
             "runaways": diagram.runaways,
         });
-        files.report(Some(object));
+        files.report(Some(analysis::with_machine(object, &experiment)));
         return Ok(());
     }
     say!(

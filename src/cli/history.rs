@@ -5,14 +5,16 @@ use clap::Args;
 use serde_json::{Value, json};
 use tribochaos::dynamics::history::{History, Sample, history};
 use tribochaos::experiment::{BackendChoice, Experiment, Precision, Request, Scheme};
+use tribochaos::grid::Fixed;
+use tribochaos::machine::{Machine, Scale};
 use tribochaos::measurement::{Contact, RUNAWAY_BOUND, Status};
 use tribochaos::output::sheet::Sheet;
-use tribochaos::output::{PROGRAM, caption, charts, histories};
+use tribochaos::output::{PROGRAM, caption, histories};
 use tribochaos::parameters::Parameter;
 
-use super::Failure;
 use super::analysis::{self, Files, OutArgs};
 use super::request::{self, ExperimentArgs};
+use super::{Failure, si};
 
 /// The point is followed from its initial state by radau, on the CPU in f64, over 30 forcing periods (--periods); without
 /// heat and wear the pressure stays 1.
@@ -40,7 +42,7 @@ pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
     let recipe = analysis::recipe("history", &experiment, options);
     let mut files = Files::claim(&args.out, "outputs/history", &[""], recipe)?;
 
-    let history = history(&at, &experiment.settings, periods, args.samples);
+    let history = history(at.parameters(), &experiment.settings, periods, args.samples);
     let last = history.samples.last().expect("the first sample is the initial state");
     let (status, reason) = ending(&history);
     if history.given_up {
@@ -56,8 +58,13 @@ pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
         final_wear: last.wear,
         peak_temperature: history.peak_temperature,
     };
+    let beyond = si::beyond(&at, &contact);
+    for warning in &beyond {
+        eprintln!("warning: {warning}");
+    }
+    let scales = at.machine().map(Machine::scales);
     let sheet = Sheet::stacked(
-        histories::stacked(&history),
+        histories::stacked(&history, scales.as_ref()),
         words(&experiment, args, periods, &history),
     );
     files.draw(
@@ -69,30 +76,56 @@ pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
         "tau: time; x, y: angle phi of the bush and its speed phi-dot; v: sliding speed".to_owned(),
         "pressure: p, 0 in the gap; wear: u_w; temperature: theta(1, tau); all dimensionless".to_owned(),
     ];
+    let mut columns = vec!["tau", "x", "y", "v", "pressure", "wear", "temperature"];
+    if scales.is_some() {
+        notes.push("and in SI units; temperature_rise_k above the ambient temperature".to_owned());
+        columns.extend([
+            "time_s",
+            "angular_speed_rad_per_s",
+            "sliding_speed_m_per_s",
+            "pressure_pa",
+            "wear_m",
+            "temperature_rise_k",
+        ]);
+    }
     notes.extend(contact.lost.map(|lost| format!("contact lost at tau_c = {lost}")));
     if history.given_up {
         notes.push(format!("given up after the last row: {reason}"));
     }
-    files.table(
-        "",
-        &notes,
-        ["tau", "x", "y", "v", "pressure", "wear", "temperature"],
-        history.samples.iter().map(|sample| {
-            [
-                sample.tau,
-                sample.x,
-                sample.y,
-                sample.v,
-                sample.pressure,
-                sample.wear,
-                sample.temperature,
-            ]
-        }),
-    )?;
+    let rows = history.samples.iter().map(|sample| {
+        let Sample {
+            tau,
+            x,
+            y,
+            v,
+            pressure,
+            wear,
+            temperature,
+        } = *sample;
+        let mut row = vec![tau, x, y, v, pressure, wear, temperature];
+        if let Some(s) = &scales {
+            row.extend([
+                s.time * tau,
+                y / s.time,
+                s.speed * v,
+                s.pressure * pressure,
+                s.length * wear,
+                s.temperature * temperature,
+            ]);
+        }
+        row
+    });
+    files.table("", &notes, columns, rows)?;
     if args.out.json {
-        files.report(Some(object(&experiment, periods, last, status, &contact)));
+        let mut object = object(&experiment, periods, last, status, &contact);
+        if scales.is_some() {
+            object["si"] = si::contact(&at, &contact);
+            let warnings = experiment.warnings().into_iter().chain(beyond);
+            object["warnings"] = warnings.collect();
+        }
+        files.report(Some(analysis::with_machine(object, &experiment)));
     } else {
-        print(last.tau, &contact);
+        print(&at, last.tau, &contact);
         files.report(None);
     }
     Ok(())
@@ -106,7 +139,7 @@ fn experiment(args: &HistoryArgs) -> Result<(Experiment, u32), Failure> {
     settings.scheme = Some(Scheme::Radau);
     settings.periods = PERIODS;
     settings.transient_periods = 0;
-    args.experiment.apply(&mut request);
+    args.experiment.apply(&mut request)?;
     let settings = &mut request.settings;
     if settings.scheme != Some(Scheme::Radau) {
         return refused("histories are followed by radau alone: leave --scheme out".to_owned());
@@ -137,7 +170,11 @@ fn experiment(args: &HistoryArgs) -> Result<(Experiment, u32), Failure> {
     settings.backend = BackendChoice::Cpu;
     // measurements need more periods than a history, which has its own number of them
     settings.periods = Request::default().settings.periods;
-    Ok((request.resolve_point().map_err(Failure::input)?, periods))
+    let experiment = request.resolve_point().map_err(Failure::input)?;
+    for warning in experiment.warnings() {
+        eprintln!("warning: {warning}");
+    }
+    Ok((experiment, periods))
 }
 
 /// How the run ended, and why if it did so before its time.
@@ -170,7 +207,7 @@ fn words(experiment: &Experiment, args: &HistoryArgs, periods: u32, history: &Hi
         // the panels say when
         Some(_) => "",
         None if history.given_up => "",
-        None if at.is_rubbed() => "Contact held to the end. ",
+        None if at.parameters().is_rubbed() => "Contact held to the end. ",
         None => "Constant contact pressure. ",
     };
     let ended = match history.samples.last().filter(|_| history.given_up) {
@@ -178,7 +215,7 @@ fn words(experiment: &Experiment, args: &HistoryArgs, periods: u32, history: &Hi
         None => String::new(),
     };
     vec![
-        charts::fixed(at, &shown),
+        caption::fixed(at, &shown),
         format!(
             "{periods} forcing periods, {} samples in each. {contact}{ended}{}, {} heat modes, tolerance {}, integrated \
              on CPU (f64). {PROGRAM}.",
@@ -192,7 +229,7 @@ fn words(experiment: &Experiment, args: &HistoryArgs, periods: u32, history: &Hi
 
 fn object(experiment: &Experiment, periods: u32, last: &Sample, status: Status, contact: &Contact) -> Value {
     json!({
-        "parameters": analysis::parameters(&experiment.grid.fixed),
+        "parameters": analysis::parameters(experiment.grid.fixed.parameters()),
         "periods": periods,
         "status": status.name(),
         "end": last.tau,
@@ -207,17 +244,33 @@ fn object(experiment: &Experiment, periods: u32, last: &Sample, status: Status, 
     })
 }
 
-fn print(end: f64, contact: &Contact) {
-    say!("followed            to tau = {end:.4}");
+fn print(at: &Fixed, end: f64, contact: &Contact) {
+    let behind = |value: f64, scale: Scale| si::behind(at, value, scale);
+    say!("followed            to tau = {end:.4}{}", behind(end, Scale::Time));
     match contact.lost {
-        Some(time) => say!("contact             lost at tau = {time:.4}"),
+        Some(time) => say!(
+            "contact             lost at tau = {time:.4}{}",
+            behind(time, Scale::Time)
+        ),
         None => say!("contact             held"),
     }
     say!(
-        "peak pressure       {:.5} at tau = {:.4}",
+        "peak pressure       {:.5}{} at tau = {:.4}{}",
         contact.peak_pressure,
-        contact.peak_pressure_time
+        behind(contact.peak_pressure, Scale::Pressure),
+        contact.peak_pressure_time,
+        behind(contact.peak_pressure_time, Scale::Time)
     );
-    say!("final wear          {:.5}", contact.final_wear);
-    say!("peak temperature    {:.3}  (of the surface)", contact.peak_temperature);
+    let wear = contact.final_wear;
+    say!("final wear          {wear:.5}{}", behind(wear, Scale::Length));
+    let temperature = contact.peak_temperature;
+    say!(
+        "peak temperature    {temperature:.3}{}  (of the surface{})",
+        behind(temperature, Scale::Temperature),
+        if at.machine().is_some() {
+            ", above the ambient one"
+        } else {
+            ""
+        }
+    );
 }

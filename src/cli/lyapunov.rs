@@ -6,8 +6,8 @@ use clap::Args;
 use serde_json::{Value, json};
 use tribochaos::analysis::exponents::{Line, lines};
 use tribochaos::analysis::onset::{Definition, Found, Onset, onset};
-use tribochaos::experiment::{Request, Settings};
-use tribochaos::grid::Axis;
+use tribochaos::experiment::{Experiment, Request, Settings};
+use tribochaos::grid::{Axis, Coordinate};
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts};
 use tribochaos::parameters::Parameter;
@@ -52,8 +52,8 @@ impl LyapunovArgs {
     fn spacing(&self, axis: &Axis) -> Result<f64, Failure> {
         let step = axis.step().abs();
         let Some(spacing) = self.onset_spacing else {
-            return Ok(match axis.parameter {
-                Parameter::ZetaK => ZETA_K_SPACING.min(step),
+            return Ok(match axis.coordinate {
+                Coordinate::Parameter(Parameter::ZetaK) => ZETA_K_SPACING.min(step),
                 _ => step / 20.0,
             });
         };
@@ -69,7 +69,7 @@ impl LyapunovArgs {
 
 pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
     let axis = args.x.unwrap_or(Axis {
-        parameter: Parameter::ZetaK,
+        coordinate: Parameter::ZetaK.into(),
         start: 0.0,
         stop: 12.0,
         count: 601,
@@ -131,10 +131,10 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
         _ => None,
     };
     let line = shown(&lines, found);
-    draw(&mut files, args, at, &settings, line, found)?;
-    table(&mut files, &axis, &lines)?;
+    draw(&mut files, args, &settings, line, found)?;
+    table(&mut files, &experiment, &lines)?;
     if args.out.json {
-        files.report(Some(object(&axis, at, &starts, onset.as_ref())));
+        files.report(Some(object(&experiment, &starts, onset.as_ref())));
         return Ok(());
     }
     say!(
@@ -142,7 +142,7 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
         axis.count * starts.len(),
         report::duration(started.elapsed())
     );
-    say!("{}", words(onset.as_ref(), axis.parameter, &definition));
+    say!("{}", words(onset.as_ref(), &experiment, &definition));
     files.report(None);
     Ok(())
 }
@@ -156,15 +156,14 @@ fn shown<'a>(lines: &'a [Line], found: Option<&Found>) -> &'a Line {
 fn draw(
     files: &mut Files,
     args: &LyapunovArgs,
-    at: &tribochaos::parameters::ParameterSet,
     settings: &Settings,
     line: &Line,
     found: Option<&Found>,
 ) -> Result<(), Failure> {
     let panel = charts::exponents("", line, found, args.limits);
-    let shown = [line.axis.parameter, Parameter::X0, Parameter::Y0];
+    let shown = [line.axis.coordinate, Parameter::X0.into(), Parameter::Y0.into()];
     let caption = vec![
-        charts::fixed(at, &shown),
+        caption::fixed(&line.fixed, &shown),
         format!(
             "{} values, each from (x, y) = {}; {} measured forcing periods after {}. {}. {PROGRAM}.",
             line.axis.count,
@@ -178,7 +177,8 @@ fn draw(
     files.draw("", &figure, "Lyapunov exponents of the bush-shaft system")
 }
 
-fn table(files: &mut Files, axis: &Axis, lines: &[Line]) -> Result<(), Failure> {
+fn table(files: &mut Files, experiment: &Experiment, lines: &[Line]) -> Result<(), Failure> {
+    let axis = &experiment.grid.axes[0];
     let rows = lines.iter().flat_map(|line| {
         line.measurements.iter().enumerate().map(|(index, m)| {
             [
@@ -196,14 +196,17 @@ fn table(files: &mut Files, axis: &Axis, lines: &[Line]) -> Result<(), Failure> 
         })
     });
     let notes = [
-        "exponents per unit of tau; errors are standard errors; lambda_3 is the trivial exponent along the flow"
-            .to_owned(),
+        analysis::unit_note(
+            experiment,
+            &[axis.coordinate],
+            "exponents per unit of tau; errors are standard errors; lambda_3 is the trivial exponent along the flow",
+        ),
         "class: 0 chaotic, 1 regular, 2 quasi-periodic, 3 undecided; empty: ran away or under-resolved".to_owned(),
     ];
     let columns = [
         "x0",
         "y0",
-        axis.parameter.name(),
+        axis.coordinate.name(),
         "lambda_1",
         "lambda_1_error",
         "lambda_2",
@@ -215,7 +218,12 @@ fn table(files: &mut Files, axis: &Axis, lines: &[Line]) -> Result<(), Failure> 
     files.table("", &notes, columns, rows)
 }
 
-fn words(onset: Option<&Onset>, parameter: Parameter, definition: &Definition) -> String {
+fn words(onset: Option<&Onset>, experiment: &Experiment, definition: &Definition) -> String {
+    let coordinate = experiment.grid.axes[0].coordinate;
+    let unit = match experiment.grid.fixed.unit(coordinate) {
+        "1" => String::new(),
+        unit => format!(" {unit}"),
+    };
     match onset {
         None => "onset: not looked for".to_owned(),
         Some(Onset::Never) => "onset: none of the initial states leads to chaos on the axis".to_owned(),
@@ -223,7 +231,7 @@ fn words(onset: Option<&Onset>, parameter: Parameter, definition: &Definition) -
             "onset: below the axis, at whose lowest decided value the motion is chaotic already".to_owned()
         }
         Some(Onset::Found(found)) => format!(
-            "onset: {parameter} = {} +- {}, from (x, y) = ({}, {}), with exponent {:.4} +- {:.4}; by {} + {} periods of {} \
+            "onset: {coordinate} = {} +- {}{unit}, from (x, y) = ({}, {}), with exponent {:.4} +- {:.4}; by {} + {} periods of {} \
              {} steps on multiples of {}",
             charts::rounded(found.value),
             found.spacing,
@@ -240,7 +248,7 @@ fn words(onset: Option<&Onset>, parameter: Parameter, definition: &Definition) -
     }
 }
 
-fn object(axis: &Axis, at: &tribochaos::parameters::ParameterSet, starts: &[[f64; 2]], onset: Option<&Onset>) -> Value {
+fn object(experiment: &Experiment, starts: &[[f64; 2]], onset: Option<&Onset>) -> Value {
     let onset = match onset {
         Some(Onset::Found(found)) => json!({
             "value": charts::rounded(found.value),
@@ -253,10 +261,11 @@ fn object(axis: &Axis, at: &tribochaos::parameters::ParameterSet, starts: &[[f64
         Some(Onset::Never) => json!("never"),
         None => Value::Null,
     };
-    json!({
-        "parameters": analysis::parameters(at),
-        "axis": axis,
+    let object = json!({
+        "parameters": analysis::parameters(experiment.grid.fixed.parameters()),
+        "axis": experiment.grid.axes[0],
         "starts": starts,
         "onset": onset,
-    })
+    });
+    analysis::with_machine(object, experiment)
 }

@@ -76,12 +76,12 @@ impl MapArgs {
         // a parameter that becomes an axis loses the value it had in the file, unless it is set here as well
         for (axis, typed) in [(&mut request.x, self.x), (&mut request.y, self.y)] {
             if let Some(typed) = typed {
-                request.set.remove(typed.parameter.name());
+                request.set.remove(typed.coordinate.name());
                 *axis = typed;
             }
         }
-        self.experiment.apply(&mut request);
-        let axes = [request.x.parameter, request.y.parameter];
+        self.experiment.apply(&mut request)?;
+        let axes = [request.x.coordinate, request.y.coordinate];
         self.experiment.leave_free(&axes, &mut request);
         request.settings.decide_early &= !self.full_length;
         request.settings.audit = self.audit.or(request.settings.audit);
@@ -126,6 +126,9 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
     let audit = audit_map(&map, &experiment, &mut store)?;
     let files = outputs.draw(&map, &style).map_err(Failure::Run)?;
     say_on!("{}", report::summary(&map, &work, elapsed, &devices));
+    for warning in map.beyond_limits() {
+        eprintln!("warning: {warning}");
+    }
     if let Some(audit) = audit {
         say_on!("{}", report::audit(&audit));
     }

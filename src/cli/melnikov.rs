@@ -4,13 +4,15 @@ use clap::Args;
 use serde_json::{Value, json};
 use tribochaos::analysis::melnikov::{CurveError, default_range, sampled, threshold_curve};
 use tribochaos::experiment::{Experiment, Request};
-use tribochaos::grid::Axis;
+use tribochaos::grid::{Axis, Coordinate, Fixed, Grid};
+use tribochaos::machine::units::si;
 use tribochaos::model::melnikov::{self, Extremes, Melnikov, Search, Threshold};
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts};
-use tribochaos::parameters::{Parameter, ParameterSet};
+use tribochaos::parameters::Parameter;
 
 use super::analysis::{self, Files, OutArgs, Values};
+use super::request::SubjectArgs;
 use super::{Failure, request};
 
 /// Mel'nikov's function measures, to first order in epsilon, the distance between the stable and the unstable manifold of the
@@ -19,9 +21,8 @@ use super::{Failure, request};
 #[derive(Args)]
 #[command(after_help = request::parameter_table())]
 pub struct MelnikovArgs {
-    /// Value of a parameter; may be repeated
-    #[arg(long, value_name = "NAME=VALUE", value_parser = request::assignment)]
-    set: Vec<(Parameter, f64)>,
+    #[command(flatten)]
+    subject: SubjectArgs,
     /// Several values of a parameter, a curve for each
     #[arg(long, value_name = "NAME=V1,V2,...", value_parser = analysis::values)]
     at: Option<Values>,
@@ -58,10 +59,10 @@ fn search(text: &str) -> Result<Search, String> {
 pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
     let experiment = experiment(args)?;
     let at = experiment.grid.fixed;
-    let points = analysis::points(args.at.as_ref(), &at, &args.set)?;
+    let points = analysis::points(args.at.as_ref(), &at, &args.subject.set)?;
     let functions = points
         .iter()
-        .map(Melnikov::new)
+        .map(|point| Melnikov::new(point.parameters()))
         .collect::<Result<Vec<_>, _>>()
         .map_err(Failure::input)?;
     let period = functions[0].period();
@@ -76,12 +77,22 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
         Some(search) => search,
         None => Search::new(Parameter::ZetaK, zeta_low, zeta_high).map_err(Failure::input)?,
     };
-    if let Some(over) = args.over.filter(|over| over.parameter == search.parameter) {
-        let name = over.parameter.name();
+    if let Some(over) = args.over.filter(|over| over.coordinate == search.parameter.into()) {
+        let name = over.coordinate.name();
         return Err(Failure::input(CurveError::SameParameter { name }));
     }
+    if let Some(over) = args.over {
+        over.coordinate
+            .check_free(at.machine().is_some())
+            .map_err(Failure::input)?;
+        let grid = Grid {
+            axes: vec![over],
+            fixed: at,
+        };
+        grid.extents().map_err(Failure::input)?;
+    }
     let options = json!({
-        "at": args.at.as_ref().map_or(Value::Array(vec![]), |values| json!([values.parameter, values.values])),
+        "at": args.at.as_ref().map_or(Value::Array(vec![]), |values| json!([values.coordinate, values.values])),
         "threshold": [json!(search.parameter), json!(search.low), json!(search.high)],
         "over": args.over.map_or(Value::Array(vec![]), |over| json!([over])),
         "tau": [low, high],
@@ -94,21 +105,19 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
     };
     let mut files = Files::claim(&args.out, "outputs/melnikov", drawings, recipe)?;
 
+    let coordinate = Values::coordinate_of(args.at.as_ref());
     let mut curves = Vec::new();
     let mut rows = Vec::new();
     for (point, function) in points.iter().zip(&functions) {
-        let curve = sampled(point, low, high, SAMPLES).map_err(Failure::input)?;
+        let value = analysis::value_of(point, coordinate);
+        let curve = sampled(point.parameters(), low, high, SAMPLES).map_err(Failure::input)?;
         let name = match &args.at {
-            Some(values) => caption::assignment(values.parameter, point[values.parameter]),
+            Some(_) => caption::assigned(point, coordinate, value),
             None => String::new(),
         };
-        let value = args
-            .at
-            .as_ref()
-            .map_or(point[Parameter::ZetaK], |values| point[values.parameter]);
         rows.extend(curve.iter().map(|&[tau_0, m]| [value, tau_0, m]));
         curves.push((name, curve));
-        let found = melnikov::threshold(point, &search).map_err(Failure::input)?;
+        let found = melnikov::threshold(point.parameters(), &search).map_err(Failure::input)?;
         let summary = Summary {
             point,
             extremes: function.extremes(),
@@ -120,43 +129,51 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
         }
         summary.print(&search, args.at.as_ref());
     }
-    let parameter = args.at.as_ref().map_or(Parameter::ZetaK, |values| values.parameter);
-    let mut shown: Vec<Parameter> = vec![Parameter::Epsilon, Parameter::Epsilon0, Parameter::X0, Parameter::Y0];
-    shown.extend(args.at.as_ref().map(|values| values.parameter));
-    let caption = |shown: &[Parameter]| vec![charts::fixed(&at, shown), format!("{PROGRAM}.")];
+    let unseen = [Parameter::Epsilon, Parameter::Epsilon0, Parameter::X0, Parameter::Y0];
+    let mut shown: Vec<Coordinate> = unseen.map(Coordinate::from).to_vec();
+    shown.extend(args.at.as_ref().map(|values| values.coordinate));
+    let caption = |shown: &[Coordinate]| vec![caption::fixed(&at, shown), format!("{PROGRAM}.")];
     let sheet = Sheet::single(charts::melnikov("", &curves, None), caption(&shown));
     files.draw(
         "",
         &sheet.draw().map_err(Failure::run)?,
         "Mel'nikov's function of the bush-shaft system",
     )?;
-    files.table("", &[], [parameter.name(), "tau_0", "melnikov"], rows.into_iter())?;
+    let note = analysis::unit_note(&experiment, &[coordinate], "");
+    let notes: Vec<String> = [note].into_iter().filter(|note| !note.is_empty()).collect();
+    files.table("", &notes, [coordinate.name(), "tau_0", "melnikov"], rows.into_iter())?;
 
     if let Some(over) = args.over {
         let curve = threshold_curve(&at, &search, &over).map_err(Failure::input)?;
-        shown.extend([search.parameter, over.parameter]);
+        shown.extend([search.parameter.into(), over.coordinate]);
         let sheet = Sheet::single(charts::threshold(&curve), caption(&shown));
         let title = format!("Mel'nikov's threshold in {}", search.parameter);
         files.draw("-threshold", &sheet.draw().map_err(Failure::run)?, &title)?;
         let rows = curve.thresholds.iter().enumerate();
         files.table(
             "-threshold",
-            &["empty: no threshold within the range that was searched".to_owned()],
-            [over.parameter.name(), &format!("{}_threshold", search.parameter)],
+            &[analysis::unit_note(
+                &experiment,
+                &[over.coordinate],
+                "empty: no threshold within the range that was searched",
+            )],
+            [over.coordinate.name(), &format!("{}_threshold", search.parameter)],
             rows.map(|(index, threshold)| [over.value(index), threshold.value().unwrap_or(f64::NAN)]),
         )?;
     }
-    let object = args.out.json.then(|| object(&points, &functions, &search));
-    files.report(object.transpose()?);
+    let object = args
+        .out
+        .json
+        .then(|| object(&points, &functions, &search))
+        .transpose()?;
+    files.report(object.map(|object| analysis::with_machine(object, &experiment)));
     Ok(())
 }
 
 /// An experiment without axes, of which only the parameters count.
 fn experiment(args: &MelnikovArgs) -> Result<Experiment, Failure> {
     let mut request = Request::default();
-    for &(parameter, value) in &args.set {
-        request.set.insert(parameter.name().to_owned(), value);
-    }
+    args.subject.apply(&mut request)?;
     request.resolve_point().map_err(Failure::input)
 }
 
@@ -169,16 +186,28 @@ fn defect(function: &Melnikov, low: f64, high: f64) -> f64 {
 }
 
 struct Summary<'a> {
-    point: &'a ParameterSet,
+    point: &'a Fixed,
     extremes: Extremes,
     threshold: Threshold,
     defect: f64,
 }
 
 impl Summary<'_> {
+    /// The amplitude of the shaft's speed that a threshold in zeta_k is, of a machine.
+    fn amplitude(&self, search: &Search, value: f64) -> String {
+        match self.point.machine() {
+            Some(machine) if search.parameter == Parameter::ZetaK => format!(
+                ", shaft_speed_amplitude = {}",
+                si(value / machine.scales().time, "rad/s")
+            ),
+            _ => String::new(),
+        }
+    }
+
     fn print(&self, search: &Search, values: Option<&Values>) {
         if let Some(values) = values {
-            say!("{} = {}", values.parameter, self.point[values.parameter]);
+            let value = analysis::value_of(self.point, values.coordinate);
+            say!("{} = {value}", values.coordinate);
         }
         let e = &self.extremes;
         say!("least M             {:.6} at tau0 = {:.6}", e.minimum, e.minimum_at);
@@ -189,7 +218,10 @@ impl Summary<'_> {
         );
         let (name, low, high) = (search.parameter, search.low, search.high);
         match self.threshold {
-            Threshold::At(value) => say!("threshold           {name} = {value:.6}"),
+            Threshold::At(value) => say!(
+                "threshold           {name} = {value:.6}{}",
+                self.amplitude(search, value)
+            ),
             Threshold::BelowRange => say!("threshold           below {name} = {low}, where M changes sign already"),
             Threshold::Never => say!("threshold           none for {name} from {low} to {high}"),
         }
@@ -197,7 +229,7 @@ impl Summary<'_> {
     }
 }
 
-fn object(points: &[ParameterSet], functions: &[Melnikov], search: &Search) -> Result<Value, Failure> {
+fn object(points: &[Fixed], functions: &[Melnikov], search: &Search) -> Result<Value, Failure> {
     let objects = points
         .iter()
         .zip(functions)
@@ -205,10 +237,10 @@ fn object(points: &[ParameterSet], functions: &[Melnikov], search: &Search) -> R
             let extremes = function.extremes();
             let mut object = serde_json::to_value(extremes).map_err(Failure::run)?;
             object["changes_sign"] = extremes.change_sign().into();
-            let found = melnikov::threshold(point, search).map_err(Failure::input)?;
+            let found = melnikov::threshold(point.parameters(), search).map_err(Failure::input)?;
             object["threshold"] = found.value().map_or(Value::Null, Value::from);
             object["threshold_parameter"] = search.parameter.name().into();
-            object["parameters"] = analysis::parameters(point);
+            object["parameters"] = analysis::parameters(point.parameters());
             Ok(object)
         })
         .collect::<Result<Vec<Value>, Failure>>()?;

@@ -24,6 +24,7 @@ mod bifurcation;
 mod devices;
 mod history;
 mod lyapunov;
+mod machine;
 mod map;
 mod melnikov;
 mod outputs;
@@ -36,6 +37,7 @@ mod render;
 mod report;
 mod reproduce;
 mod request;
+mod si;
 
 use std::process::ExitCode;
 
@@ -71,6 +73,8 @@ enum Command {
     History(history::HistoryArgs),
     /// Evaluate Mel'nikov's function, its extremes and its thresholds
     Melnikov(melnikov::MelnikovArgs),
+    /// Turn a machine in SI units into the dimensionless parameters, and tell how they move with each quantity
+    Machine(machine::MachineArgs),
     /// Compute the paper's figures, and the table of what it says and what the program gets
     Reproduce(reproduce::ReproduceArgs),
     /// Time every kernel on this machine, and measure its accuracy
@@ -120,6 +124,7 @@ pub fn main() -> ExitCode {
         Command::Poincare(args) => poincare::run(&args),
         Command::History(args) => history::run(&args),
         Command::Melnikov(args) => melnikov::run(&args),
+        Command::Machine(args) => machine::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Devices(args) => devices::run(&args),

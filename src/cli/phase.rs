@@ -5,9 +5,10 @@ use serde_json::{Value, json};
 use tribochaos::analysis::exponents::from;
 use tribochaos::analysis::path::path;
 use tribochaos::experiment::Request;
+use tribochaos::grid::Coordinate;
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts};
-use tribochaos::parameters::{Parameter, ParameterSet};
+use tribochaos::parameters::Parameter;
 
 use super::Failure;
 use super::analysis::{self, Files, OutArgs, StartArgs, Values};
@@ -39,10 +40,11 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
     let experiment = analysis::experiment(&args.experiment, None, defaults)?;
     let settings = &experiment.settings;
     let starts = args.start.resolve(&args.experiment, &experiment)?;
-    let points = analysis::points(args.at.as_ref(), &experiment.grid.fixed, &args.experiment.set)?;
-    if points.iter().any(ParameterSet::is_rubbed) {
+    let points = analysis::points(args.at.as_ref(), &experiment.grid.fixed, &args.experiment.subject.set)?;
+    if points.iter().any(|point| point.parameters().is_rubbed()) {
         return Err(Failure::Input(anyhow::anyhow!(
-            "the phase plane is drawn at constant contact pressure, without frictional heat and wear: set gamma = 0 and k_w = 0"
+            "the phase plane is drawn at constant contact pressure, without frictional heat and wear: set gamma = 0 and k_w = 0 \
+             (of a machine, wear_energy_share = 1 and wear_coefficient = 0)"
         )));
     }
     let count = points.len() * starts.len();
@@ -52,22 +54,20 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
         )));
     }
     let options = json!({
-        "at": args.at.as_ref().map_or(Value::Array(vec![]), |values| json!([values.parameter, values.values])),
+        "at": args.at.as_ref().map_or(Value::Array(vec![]), |values| json!([values.coordinate, values.values])),
         "starts": starts,
     });
     let recipe = analysis::recipe("phase", &experiment, options);
     let mut files = Files::claim(&args.out, "outputs/phase", &[""], recipe)?;
 
+    let coordinate = Values::coordinate_of(args.at.as_ref());
     let mut orbits = Vec::new();
     let mut rows = Vec::new();
     let mut objects = Vec::new();
     for point in &points {
         for &start in &starts {
-            let path = path(&from(point, start), settings, POINTS_PER_PERIOD);
-            let value = args
-                .at
-                .as_ref()
-                .map_or(point[Parameter::ZetaK], |at| point[at.parameter]);
+            let path = path(&from(point.parameters(), start), settings, POINTS_PER_PERIOD);
+            let value = analysis::value_of(point, coordinate);
             rows.extend(path.iter().map(|p| {
                 let is_stroboscopic = f64::from(u8::from(p.is_stroboscopic));
                 [start[0], start[1], value, p.tau, p.x, p.y, is_stroboscopic]
@@ -79,7 +79,7 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
             let mut name: Vec<String> = args
                 .at
                 .iter()
-                .map(|at| caption::assignment(at.parameter, point[at.parameter]))
+                .map(|at| caption::assigned(point, at.coordinate, value))
                 .collect();
             if starts.len() > 1 {
                 name.push(format!("from {}", charts::start(start)));
@@ -90,19 +90,19 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
                 name.join(", ")
             };
             objects.push(json!({
-                "parameters": analysis::parameters(&from(point, start)),
+                "parameters": analysis::parameters(&from(point.parameters(), start)),
                 "last": path.last().map(|p| [p.x, p.y]),
                 "ran_away": ended,
             }));
             orbits.push((name, path));
         }
     }
-    let mut shown: Vec<Parameter> = args.at.iter().map(|at| at.parameter).collect();
+    let mut shown: Vec<Coordinate> = args.at.iter().map(|at| at.coordinate).collect();
     if starts.len() > 1 || !args.start.start.is_empty() {
-        shown.extend([Parameter::X0, Parameter::Y0]);
+        shown.extend([Parameter::X0, Parameter::Y0].map(Coordinate::from));
     }
     let caption = vec![
-        charts::fixed(&experiment.grid.fixed, &shown),
+        caption::fixed(&experiment.grid.fixed, &shown),
         format!(
             "{} forcing periods after {}. {}, integrated on CPU (f64). {PROGRAM}.",
             settings.periods,
@@ -116,13 +116,20 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
         &sheet.draw().map_err(Failure::run)?,
         "Phase plane of the bush-shaft system",
     )?;
-    let parameter = args.at.as_ref().map_or(Parameter::ZetaK, |at| at.parameter);
     files.table(
         "",
-        &["tau from the end of the transient; stroboscopic: 1 at drive phase 0".to_owned()],
-        ["x0", "y0", parameter.name(), "tau", "x", "y", "stroboscopic"],
+        &[analysis::unit_note(
+            &experiment,
+            &[coordinate],
+            "tau from the end of the transient; stroboscopic: 1 at drive phase 0",
+        )],
+        ["x0", "y0", coordinate.name(), "tau", "x", "y", "stroboscopic"],
         rows.into_iter(),
     )?;
-    files.report(args.out.json.then(|| json!({ "orbits": objects })));
+    files.report(
+        args.out
+            .json
+            .then(|| analysis::with_machine(json!({ "orbits": objects }), &experiment)),
+    );
     Ok(())
 }

@@ -6,6 +6,7 @@ use clap::Args;
 use serde_json::json;
 use tribochaos::analysis::section::{self, ORBITS};
 use tribochaos::experiment::Request;
+use tribochaos::grid::Coordinate;
 use tribochaos::output::panel::Layer;
 use tribochaos::output::sheet::{SINGLE, Sheet};
 use tribochaos::output::{PROGRAM, caption, charts};
@@ -67,10 +68,15 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
         orbits as usize,
     );
     let mut hear = |periods| bar.hear(Event::Advanced(periods));
-    let section::Section { mut points, runaways } =
-        section::section(choice.backends.active_mut(), settings, at, orbits, &mut hear)
-            .map_err(Failure::backend)?
-            .ok_or_else(|| Failure::Interrupted("nothing is drawn".into()))?;
+    let section::Section { mut points, runaways } = section::section(
+        choice.backends.active_mut(),
+        settings,
+        at.parameters(),
+        orbits,
+        &mut hear,
+    )
+    .map_err(Failure::backend)?
+    .ok_or_else(|| Failure::Interrupted("nothing is drawn".into()))?;
     drop(bar);
     if points.is_empty() {
         return Err(Failure::Run(anyhow::anyhow!(
@@ -97,7 +103,10 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     if runaways > 0 {
         numerics += &format!("{runaways} orbits ran away or were given up as under-resolved. ");
     }
-    let caption = vec![charts::fixed(at, &[]), format!("{numerics}{PROGRAM}.")];
+    let caption = vec![
+        caption::fixed(at, &[] as &[Coordinate]),
+        format!("{numerics}{PROGRAM}."),
+    ];
     files.draw(
         "",
         &Sheet::single(panel, caption).draw().map_err(Failure::run)?,
@@ -111,13 +120,13 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     )?;
     if args.out.json {
         let object = json!({
-            "parameters": analysis::parameters(at),
+            "parameters": analysis::parameters(at.parameters()),
             "points": points.len(),
             "orbits": orbits,
             "runaways": runaways,
             "pixels": occupied,
         });
-        files.report(Some(object));
+        files.report(Some(analysis::with_machine(object, &experiment)));
         return Ok(());
     }
     say!(

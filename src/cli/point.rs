@@ -4,12 +4,13 @@ use clap::Args;
 use serde_json::{Map, Value, json};
 use tribochaos::dynamics::spectrum::lyapunov_spectrum;
 use tribochaos::experiment::{BackendChoice, Experiment, Request};
+use tribochaos::machine::Scale;
 use tribochaos::measurement::{Measurement, Status};
 use tribochaos::parameters::Parameter;
 use tribochaos::sweep::choice;
 
 use super::request::{self, ExperimentArgs};
-use super::{Failure, progress};
+use super::{Failure, analysis, progress, si};
 
 /// One point is integrated on the CPU unless a GPU is asked for, since it would not fill one.
 #[derive(Args)]
@@ -24,7 +25,7 @@ pub struct PointArgs {
 
 pub fn run(args: &PointArgs) -> Result<(), Failure> {
     let mut request = Request::default();
-    args.experiment.apply(&mut request);
+    args.experiment.apply(&mut request)?;
     // the more exact exponent is worth the time of one point
     request.settings.decide_early = false;
     if request.settings.backend == BackendChoice::Auto {
@@ -52,15 +53,20 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
         Status::Ok | Status::UnderResolved => lyapunov_spectrum(&instance, &experiment.settings),
         Status::Runaway { .. } => None,
     };
+    let beyond = si::beyond(&experiment.grid.fixed, &m.contact);
+    for warning in &beyond {
+        eprintln!("warning: {warning}");
+    }
     if args.json {
-        say!("{:#}", object(&experiment, m, spectrum));
+        let warnings = experiment.warnings().into_iter().chain(beyond);
+        say!("{:#}", object(&experiment, m, spectrum, warnings.collect()));
     } else {
         print(&experiment, m, spectrum);
     }
     Ok(())
 }
 
-fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) -> Value {
+fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>, warnings: Vec<String>) -> Value {
     let parameters: Map<String, Value> = experiment
         .fixed_parameters()
         .map(|(parameter, value)| (parameter.name().to_owned(), value.into()))
@@ -97,7 +103,12 @@ fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) 
         object["chaotic_fraction"] = m.chaotic_fraction.into();
         object["attractors"] = m.attractors.into();
     }
-    object
+    let at = &experiment.grid.fixed;
+    if at.machine().is_some() {
+        object["si"] = si::measurement(at, m);
+        object["warnings"] = warnings.into();
+    }
+    analysis::with_machine(object, experiment)
 }
 
 fn print(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) {
@@ -110,6 +121,8 @@ fn print(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) {
         return;
     }
     let settings = &experiment.settings;
+    let at = &experiment.grid.fixed;
+    let behind = |value: f64, scale: Scale| si::behind(at, value, scale);
     say!(
         "class               {}",
         m.class.map_or("-", tribochaos::measurement::Class::name)
@@ -135,24 +148,40 @@ fn print(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) {
         say!("spectrum (3.6)      {first:.6} {second:.6} {third:.6}");
     }
     say!(
-        "period              {}",
-        m.period.map_or("none found".to_owned(), |period| period.to_string())
+        "period              {}{}",
+        m.period.map_or("none found".to_owned(), |period| period.to_string()),
+        si::period_frequency(at, m.period)
     );
     say!("x, y                {:.9} {:.9}  (last stroboscopic state)", m.x, m.y);
     say!("extremes of x       {:.6} {:.6}", m.x_min, m.x_max);
     if settings.scheme().carries_heat() {
         let contact = &m.contact;
         match contact.lost {
-            Some(time) => say!("contact             lost at tau = {time:.4}"),
+            Some(time) => say!(
+                "contact             lost at tau = {time:.4}{}",
+                behind(time, Scale::Time)
+            ),
             None => say!("contact             held to the end of the run"),
         }
         say!(
-            "peak pressure       {:.5} at tau = {:.4}",
+            "peak pressure       {:.5}{} at tau = {:.4}{}",
             contact.peak_pressure,
-            contact.peak_pressure_time
+            behind(contact.peak_pressure, Scale::Pressure),
+            contact.peak_pressure_time,
+            behind(contact.peak_pressure_time, Scale::Time)
         );
-        say!("final wear          {:.5}", contact.final_wear);
-        say!("peak temperature    {:.3}  (of the surface)", contact.peak_temperature);
+        let wear = contact.final_wear;
+        say!("final wear          {wear:.5}{}", behind(wear, Scale::Length));
+        let temperature = contact.peak_temperature;
+        say!(
+            "peak temperature    {temperature:.3}{}  (of the surface{})",
+            behind(temperature, Scale::Temperature),
+            if at.machine().is_some() {
+                ", above the ambient one"
+            } else {
+                ""
+            }
+        );
     }
     if settings.initial_states > 1 {
         say!(

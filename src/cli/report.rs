@@ -4,6 +4,8 @@ use std::fmt::Write as _;
 use std::time::Duration;
 
 use tribochaos::experiment::{Experiment, Scheme};
+use tribochaos::grid::Coordinate;
+use tribochaos::machine::units::si;
 use tribochaos::map::{OnsetKind, ParameterMap, threshold};
 use tribochaos::measurement::{Class, Quantity};
 use tribochaos::sweep;
@@ -17,8 +19,16 @@ pub fn plan(experiment: &Experiment) -> String {
     for (place, axis) in ["over", "by"].iter().zip(&experiment.grid.axes) {
         let _ = write!(
             plan,
-            " {place} {} = {}..{} ({})",
-            axis.parameter, axis.start, axis.stop, axis.count
+            " {place} {} = {} ({})",
+            axis.coordinate,
+            match axis.coordinate {
+                Coordinate::Parameter(_) => format!("{}..{}", axis.start, axis.stop),
+                Coordinate::Si(_) => {
+                    let unit = experiment.grid.fixed.unit(axis.coordinate);
+                    format!("{}..{}", si(axis.start, unit), si(axis.stop, unit))
+                }
+            },
+            axis.count
         );
     }
     let _ = write!(

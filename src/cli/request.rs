@@ -3,7 +3,7 @@
 //! Owns the passage from strings to a [`Request`]; what a request means is the library's.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
@@ -11,18 +11,51 @@ use serde::Deserialize;
 use serde::de::IntoDeserializer;
 use serde::de::value::{Error as ValueError, StrDeserializer};
 use tribochaos::experiment::{BackendChoice, Precision, Preset, Request, Scheme};
-use tribochaos::grid::Axis;
+use tribochaos::grid::{Axis, Coordinate};
+use tribochaos::machine::{Description, governing};
 use tribochaos::parameters::{PARAMETERS, Parameter};
+
+use super::Failure;
+
+/// What is computed: parameters, and the machine that gives most of them.
+#[derive(Args)]
+pub struct SubjectArgs {
+    /// Value of a parameter, or of a quantity of the machine, that is no axis; may be repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    pub set: Vec<(Coordinate, f64)>,
+    /// A machine in SI units, as `tribochaos machine --template` prints one. It gives the dimensionless parameters; its
+    /// quantities can be set and be axes, and results are told in SI units as well
+    #[arg(long, value_name = "FILE.TOML")]
+    pub machine: Option<PathBuf>,
+}
+
+impl SubjectArgs {
+    /// Puts what was typed over `request`.
+    ///
+    /// # Errors
+    /// If the machine's file cannot be read, or is none.
+    pub fn apply(&self, request: &mut Request) -> Result<(), Failure> {
+        if let Some(path) = &self.machine {
+            request.machine = Some(read_machine(path).map_err(Failure::Input)?);
+            // the machine goes over what the file has of its parameters
+            let is_free = |name: &str| Parameter::from_name(name).is_ok_and(|parameter| governing(parameter).is_none());
+            request.set.retain(|name, _| is_free(name));
+        }
+        for &(coordinate, value) in &self.set {
+            request.set.insert(coordinate.name().to_owned(), value);
+        }
+        Ok(())
+    }
+}
 
 /// Numerical settings and fixed parameters; what is left out keeps the file's value, or the default.
 #[derive(Args)]
 pub struct ExperimentArgs {
-    /// Value of a parameter that is no axis; may be repeated
-    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
-    pub set: Vec<(Parameter, f64)>,
+    #[command(flatten)]
+    pub subject: SubjectArgs,
     /// The paper's section 5, as reconstructed: biot 10, omega_tilde 0.1, no ramp, x0 = y0 = 0, h1 0.5, gamma 1.87,
     /// k_w 0.01. --set and axes go over it
-    #[arg(long, value_name = "paper", value_parser = preset)]
+    #[arg(long, value_name = "paper", value_parser = preset, conflicts_with = "machine")]
     pub preset: Option<Preset>,
     /// Stepping scheme: taylor, whose steps end at the friction layer's boundaries, rk4, the paper's fixed step, or radau,
     /// which carries frictional heat and wear [default: radau where gamma or k_w is not 0, else taylor]
@@ -76,13 +109,14 @@ pub struct ExperimentArgs {
 
 impl ExperimentArgs {
     /// Puts what was typed over `request`.
-    pub fn apply(&self, request: &mut Request) {
+    ///
+    /// # Errors
+    /// As [`SubjectArgs::apply`].
+    pub fn apply(&self, request: &mut Request) -> Result<(), Failure> {
         for &(parameter, value) in self.preset.map_or(&[][..], Preset::values) {
             request.set.insert(parameter.name().to_owned(), value);
         }
-        for &(parameter, value) in &self.set {
-            request.set.insert(parameter.name().to_owned(), value);
-        }
+        self.subject.apply(request)?;
         let settings = &mut request.settings;
         macro_rules! apply {
             ($($field:ident)*) => { $(if let Some(value) = self.$field { settings.$field = value; })* };
@@ -100,15 +134,16 @@ impl ExperimentArgs {
         settings.steps_per_period = self.steps_per_period.or(settings.steps_per_period);
         settings.precision = self.precision.or(settings.precision);
         settings.adapter = self.adapter.clone().or(settings.adapter.take());
+        Ok(())
     }
 }
 
 impl ExperimentArgs {
     /// Takes the preset's values of parameters that are axes out of `request` again; those of --set stay, to be refused.
-    pub fn leave_free(&self, axes: &[Parameter], request: &mut Request) {
+    pub fn leave_free(&self, axes: &[Coordinate], request: &mut Request) {
         if self.preset.is_some() {
             for axis in axes {
-                if self.set.iter().all(|(parameter, _)| parameter != axis) {
+                if self.subject.set.iter().all(|(coordinate, _)| coordinate != axis) {
                     request.set.remove(axis.name());
                 }
             }
@@ -124,6 +159,12 @@ fn preset(text: &str) -> Result<Preset, String> {
 pub fn read(path: &Path) -> anyhow::Result<Request> {
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     Request::from_toml(&text).with_context(|| format!("in {}", path.display()))
+}
+
+/// Reads a machine's file.
+pub fn read_machine(path: &Path) -> anyhow::Result<Description> {
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    Description::from_toml(&text).with_context(|| format!("in {}", path.display()))
 }
 
 pub fn axis(text: &str) -> Result<Axis, String> {
@@ -148,13 +189,13 @@ pub fn initial_box(text: &str) -> Result<tribochaos::experiment::InitialBox, Str
     })
 }
 
-pub fn assignment(text: &str) -> Result<(Parameter, f64), String> {
+pub fn assignment(text: &str) -> Result<(Coordinate, f64), String> {
     let malformed = || format!("`{text}` sets nothing: write NAME=VALUE, for example h1=0.5");
     let (name, value) = text.split_once('=').ok_or_else(malformed)?;
-    let parameter = Parameter::from_name(name.trim()).map_err(|error| error.to_string())?;
+    let coordinate = Coordinate::from_name(name.trim()).map_err(|error| error.to_string())?;
     let value = value.trim().parse().map_err(|_| malformed())?;
-    parameter.check(value).map_err(|error| error.to_string())?;
-    Ok((parameter, value))
+    coordinate.check(value).map_err(|error| error.to_string())?;
+    Ok((coordinate, value))
 }
 
 /// A value by its name in files.
@@ -175,6 +216,10 @@ pub fn parameter_table() -> String {
             info.name, info.symbol, info.default, range, info.meaning, info.source
         );
     }
+    help.push_str(
+        "\nWith --machine most of them follow from quantities in SI units, which can then be axes or be set; `tribochaos\n\
+         machine --template` lists those. epsilon_0, ramp_rate, x0 and y0 stay free.\n",
+    );
     help
 }
 

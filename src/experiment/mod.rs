@@ -11,7 +11,8 @@ pub use preset::Preset;
 pub use request::Request;
 pub use settings::{BackendChoice, InitialBox, MAX_MODES, MIN_EPSILON_0_F32, Precision, Scheme, Settings};
 
-use crate::grid::{AxisError, Grid};
+use crate::grid::{AxisError, Coordinate, Extents, Grid, GridError};
+use crate::machine::{Description, MachineError, SiQuantity};
 use crate::parameters::{PARAMETERS, Parameter, ParameterError};
 
 /// A validated, fully resolved experiment.
@@ -19,24 +20,41 @@ use crate::parameters::{PARAMETERS, Parameter, ParameterError};
 pub struct Experiment {
     pub grid: Grid,
     pub settings: Settings,
+    extents: Extents,
 }
 
 impl Experiment {
-    /// The parameters that are not an axis, in the table's order.
+    /// The parameters that no axis changes, in the table's order.
     pub fn fixed_parameters(&self) -> impl Iterator<Item = (Parameter, f64)> + '_ {
         PARAMETERS
             .iter()
             .map(|info| info.parameter)
-            .filter(|parameter| self.grid.axes.iter().all(|axis| axis.parameter != *parameter))
+            .filter(|&parameter| {
+                let mut axes = self.grid.axes.iter();
+                !axes.any(|axis| self.grid.fixed.moves(axis.coordinate, parameter))
+            })
             .map(|parameter| (parameter, self.grid.fixed[parameter]))
+    }
+
+    /// The quantities of the machine that are an axis.
+    fn si_axes(&self) -> Vec<SiQuantity> {
+        let axes = self.grid.axes.iter();
+        axes.filter_map(|axis| match axis.coordinate {
+            Coordinate::Si(quantity) => Some(quantity),
+            Coordinate::Parameter(_) => None,
+        })
+        .collect()
+    }
+
+    /// The machine as files hold it: with every value that is no axis.
+    pub fn machine_description(&self) -> Option<Description> {
+        let machine = self.grid.fixed.machine()?;
+        Some(machine.description(&self.si_axes()))
     }
 
     /// Least and greatest value of a parameter over the grid.
     pub fn extent(&self, parameter: Parameter) -> (f64, f64) {
-        match self.grid.axes.iter().find(|axis| axis.parameter == parameter) {
-            Some(axis) => (axis.start.min(axis.stop), axis.start.max(axis.stop)),
-            None => (self.grid.fixed[parameter], self.grid.fixed[parameter]),
-        }
+        self.extents[parameter]
     }
 
     /// Whether there is frictional heat or wear anywhere in the grid: the pressure is then no constant.
@@ -69,12 +87,15 @@ impl Experiment {
         let [x, y] = self.grid.axes[..] else {
             panic!("an experiment file describes two axes")
         };
+        let fixed = &self.grid.fixed;
         let request = Request {
             out: None,
             x,
             y,
+            machine: self.machine_description(),
             set: self
                 .fixed_parameters()
+                .filter(|(parameter, _)| fixed.governing(*parameter).is_none())
                 .map(|(parameter, value)| (parameter.name().to_owned(), value))
                 .collect(),
             settings: self.settings.clone(),
@@ -89,6 +110,10 @@ pub enum ExperimentError {
     Parameter(#[from] ParameterError),
     #[error(transparent)]
     Axis(#[from] AxisError),
+    #[error(transparent)]
+    Machine(#[from] MachineError),
+    #[error(transparent)]
+    Grid(#[from] GridError),
     #[error("{name} = {value} is out of range: it must be from {min} to {max}")]
     Setting {
         name: &'static str,
@@ -104,7 +129,7 @@ pub enum ExperimentError {
     SetAxis { name: &'static str },
     #[error(
         "the scheme {scheme} holds the contact pressure at 1 and knows neither frictional heat nor wear: leave --scheme out, \
-         or set gamma = 0 and k_w = 0"
+         or set gamma = 0 and k_w = 0 (of a machine, wear_energy_share = 1 and wear_coefficient = 0)"
     )]
     SchemeWithoutHeat { scheme: &'static str },
     #[error("a GPU integrates in f32: leave --precision f64 out, or use --backend cpu")]

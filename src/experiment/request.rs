@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::{BackendChoice, Experiment, ExperimentError, Precision, Settings};
-use crate::grid::{Axis, Grid};
+use crate::grid::{Axis, Coordinate, Fixed, Grid};
+use crate::machine::{Description, SiQuantity};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// A request as it is written in a file: everything may be left out. [`Request::resolve`] makes it an
@@ -21,17 +22,20 @@ pub struct Request {
     pub x: Axis,
     /// Vertical axis (h1 = 0..2, 201 values).
     pub y: Axis,
-    /// Values of parameters that are no axis.
+    /// A machine in SI units, which determines most parameters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub machine: Option<Description>,
+    /// Values of parameters, and of quantities of the machine, that are no axis.
     #[serde(deserialize_with = "named_values")]
     pub set: BTreeMap<String, f64>,
     pub settings: Settings,
 }
 
-/// Parameter names are checked here, so that a misspelt one is reported with a suggestion.
+/// Names are checked here, so that a misspelt one is reported with a suggestion.
 fn named_values<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, f64>, D::Error> {
     let values = BTreeMap::<String, f64>::deserialize(deserializer)?;
     for name in values.keys() {
-        Parameter::from_name(name).map_err(serde::de::Error::custom)?;
+        Coordinate::from_name(name).map_err(serde::de::Error::custom)?;
     }
     Ok(values)
 }
@@ -41,17 +45,18 @@ impl Default for Request {
         Self {
             out: None,
             x: Axis {
-                parameter: Parameter::ZetaK,
+                coordinate: Parameter::ZetaK.into(),
                 start: 0.0,
                 stop: 12.0,
                 count: 300,
             },
             y: Axis {
-                parameter: Parameter::H1,
+                coordinate: Parameter::H1.into(),
                 start: 0.0,
                 stop: 2.0,
                 count: 201,
             },
+            machine: None,
             set: BTreeMap::new(),
             settings: Settings::default(),
         }
@@ -68,14 +73,15 @@ impl Request {
     /// The map that the request asks for.
     ///
     /// # Errors
-    /// If a value is out of its range, the axes are the same parameter, or a set parameter is an axis.
+    /// If a value is out of its range, the axes are the same, what is set is an axis, or the machine is none, somewhere on
+    /// the axes.
     pub fn resolve(&self) -> Result<Experiment, ExperimentError> {
         for axis in [&self.x, &self.y] {
             axis.check()?;
         }
-        if self.x.parameter == self.y.parameter {
+        if self.x.coordinate == self.y.coordinate {
             return Err(ExperimentError::SameAxes {
-                name: self.x.parameter.name(),
+                name: self.x.coordinate.name(),
             });
         }
         self.resolve_over(vec![self.x, self.y])
@@ -94,17 +100,13 @@ impl Request {
     /// # Errors
     /// As [`Request::resolve`].
     pub fn resolve_over(&self, axes: Vec<Axis>) -> Result<Experiment, ExperimentError> {
-        let mut fixed = ParameterSet::default();
-        for (name, &value) in &self.set {
-            let parameter = Parameter::from_name(name)?;
-            if axes.iter().any(|axis| axis.parameter == parameter) {
-                return Err(ExperimentError::SetAxis { name: parameter.name() });
-            }
-            parameter.check(value)?;
-            fixed[parameter] = value;
-        }
+        let grid = Grid {
+            fixed: self.fixed(&axes)?,
+            axes,
+        };
         let mut experiment = Experiment {
-            grid: Grid { axes, fixed },
+            extents: grid.extents()?,
+            grid,
             settings: self.settings.clone(),
         };
         experiment.settings = self.settings.for_model(experiment.is_rubbed())?;
@@ -113,5 +115,35 @@ impl Request {
             experiment.check_f32()?;
         }
         Ok(experiment)
+    }
+
+    /// What holds at all points over the axes.
+    fn fixed(&self, axes: &[Axis]) -> Result<Fixed, ExperimentError> {
+        let mut parameters = ParameterSet::default();
+        let mut machine = self.machine.clone();
+        let mut si_axes: Vec<(SiQuantity, f64)> = Vec::new();
+        for axis in axes {
+            axis.coordinate.check_free(machine.is_some())?;
+            if let Coordinate::Si(quantity) = axis.coordinate {
+                si_axes.push((quantity, axis.start));
+            }
+        }
+        for (name, &value) in &self.set {
+            let coordinate = Coordinate::from_name(name)?;
+            if axes.iter().any(|axis| axis.coordinate == coordinate) {
+                return Err(ExperimentError::SetAxis {
+                    name: coordinate.name(),
+                });
+            }
+            coordinate.check_free(machine.is_some())?;
+            coordinate.check(value)?;
+            match (coordinate, &mut machine) {
+                (Coordinate::Parameter(parameter), _) => parameters[parameter] = value,
+                (Coordinate::Si(quantity), Some(machine)) => machine.set(quantity, value)?,
+                (Coordinate::Si(_), None) => unreachable!("a quantity is free only where there is a machine"),
+            }
+        }
+        let machine = machine.map(|machine| machine.complete(&si_axes)).transpose()?;
+        Ok(Fixed::new(parameters, machine))
     }
 }

@@ -1,4 +1,6 @@
 use super::*;
+use crate::grid::Axis;
+use crate::machine::TEMPLATE;
 
 #[test]
 fn an_experiment_survives_its_toml_form() {
@@ -78,4 +80,141 @@ fn steps_and_renormalisations_too_far_apart_for_the_layer_are_warned_of() {
     assert!(warnings[1].contains("--renormalise-every"));
     request.settings.scheme = None;
     assert!(request.resolve().unwrap().warnings().is_empty());
+}
+
+fn with_machine(x: &str, y: &str) -> Request {
+    Request {
+        x: Axis::parse(x).unwrap(),
+        y: Axis::parse(y).unwrap(),
+        machine: Some(Description::from_toml(TEMPLATE).unwrap()),
+        ..Request::default()
+    }
+}
+
+#[test]
+fn an_experiment_with_a_machine_survives_its_toml_form() {
+    for (x, y) in [
+        ("shaft_speed_amplitude=50:300:5", "interference=1e-9:5e-9:4"),
+        ("x0=-1:1:5", "youngs_modulus=1e11:2e11:3"),
+    ] {
+        let mut request = with_machine(x, y);
+        request.set.insert("damping".into(), 500.0 / 3.0);
+        request.set.insert("epsilon_0".into(), 0.02);
+        let experiment = request.resolve().unwrap();
+        let again = Request::from_toml(&experiment.to_toml()).unwrap().resolve().unwrap();
+        assert_eq!(again, experiment);
+        assert_eq!(again.to_toml(), experiment.to_toml());
+        // the file's value of a quantity that is an axis does not matter, any other does
+        let machine = request.machine.as_mut().unwrap();
+        if machine.values.contains_key(&SiQuantity::Interference) {
+            machine.values.insert(SiQuantity::Interference, 3e-9);
+        }
+        assert_eq!(request.resolve().unwrap() == experiment, y.starts_with("interference"));
+        request.set.insert("damping".into(), 500.0);
+        assert_ne!(request.resolve().unwrap(), experiment);
+    }
+}
+
+#[test]
+fn heat_and_wear_of_a_machine_are_seen_wherever_they_are() {
+    let resolve = |request: &Request| request.resolve().unwrap();
+    let mut request = with_machine("shaft_speed_amplitude=50:300:5", "wear_coefficient=0:1e-14:4");
+    let wears = resolve(&request);
+    assert!(wears.wears() && wears.is_rubbed() && wears.settings.scheme() == Scheme::Radau);
+    assert_eq!(wears.extent(Parameter::KW).0, 0.0);
+    request.y = Axis::parse("damping=0:500:4").unwrap();
+    request.set.insert("wear_coefficient".into(), 0.0);
+    assert!(!resolve(&request).wears() && resolve(&request).is_rubbed());
+    request.set.insert("wear_energy_share".into(), 1.0);
+    assert!(!resolve(&request).is_rubbed());
+    assert_eq!(resolve(&request).settings.scheme(), Scheme::Taylor);
+}
+
+#[test]
+fn what_does_not_go_with_a_machine_is_refused_with_a_reason() {
+    let machine: String = TEMPLATE.lines().map(|line| format!("{line}\n")).collect();
+    let axes = |x: &str, y: &str| {
+        format!(
+            "[x]\nparameter = \"{x}\"\nstart = 1\nstop = 2\ncount = 5\n[y]\nparameter = \"{y}\"\nstart = 1\nstop = \
+             2\ncount = 5\n"
+        )
+    };
+    for (toml, reason) in [
+        (
+            format!("[machine]\n{machine}"),
+            "zeta_k follows from the machine: set shaft_speed_amplitude",
+        ),
+        (
+            format!("{}[machine]\n{machine}", axes("x0", "gamma")),
+            "gamma follows from the machine",
+        ),
+        (
+            axes("damping", "inertia"),
+            "damping is a quantity of a machine, and there is none",
+        ),
+        (
+            "[set]\ninertia = 1".to_owned(),
+            "inertia is a quantity of a machine, and there is none",
+        ),
+        (
+            format!("{}[set]\nb = 2\n[machine]\n{machine}", axes("x0", "damping")),
+            "b follows from the machine: set tangent_cubic_stiffness",
+        ),
+        (
+            format!("{}[set]\ndamping = 2\n[machine]\n{machine}", axes("x0", "damping")),
+            "leave one of the two out",
+        ),
+        (
+            format!("{}[machine]\n{machine}", axes("damping", "damping")),
+            "both axes are damping",
+        ),
+        (
+            format!("{}[machine]\nshaft_radius = 1e-3", axes("x0", "damping")),
+            "the machine lacks bush_radius",
+        ),
+        (
+            format!("{}[machine]\n{machine}", axes("x0", "length")),
+            "length belongs to whole parts",
+        ),
+        (
+            format!("{}[set]\nlength = 1\n[machine]\n{machine}", axes("x0", "damping")),
+            "length belongs to whole parts",
+        ),
+        (
+            format!("{}[machine]\nrubbish = 1", axes("x0", "damping")),
+            "unknown quantity `rubbish`",
+        ),
+    ] {
+        let message = Request::from_toml(&toml)
+            .and_then(|request| request.resolve())
+            .unwrap_err()
+            .to_string();
+        assert!(message.contains(reason), "{reason}: {message}");
+    }
+}
+
+#[test]
+fn an_unlikely_machine_is_warned_of_over_the_whole_map() {
+    let warnings = with_machine("interference=5e-6:1e-8:5", "damping=1:2:3")
+        .resolve()
+        .unwrap()
+        .warnings();
+    assert!(
+        warnings.iter().any(|warning| warning.contains("interference = 10 nm")),
+        "{warnings:?}"
+    );
+    assert!(
+        warnings
+            .iter()
+            .any(|warning| warning.contains("wells lie at angles of 1.000 rad"))
+    );
+    let soft = with_machine("tangent_cubic_stiffness=-1e11:1e10:5", "damping=1:2:3")
+        .resolve()
+        .unwrap()
+        .warnings();
+    assert!(
+        soft.iter()
+            .any(|warning| warning.contains("is not positive: the springs do not hold")),
+        "{soft:?}"
+    );
 }

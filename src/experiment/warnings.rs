@@ -3,21 +3,49 @@
 use std::f64::consts::TAU;
 
 use super::{Experiment, Precision, Scheme};
+use crate::machine::plausibility_warnings;
 use crate::model::thermal_modes;
 use crate::parameters::Parameter;
 
 /// The heat has settled where the slowest mode has decayed by e to this power.
 const SETTLED: f64 = 10.0;
 
+/// An angle in rad at which the terms that sin and cos have beyond the third order are a quarter of those of third order.
+const LARGE_ANGLE: f64 = 0.5;
+
 impl Experiment {
     /// What the user should know before a long run, each a sentence.
     pub fn warnings(&self) -> Vec<String> {
-        match self.settings.scheme() {
+        let numerical = match self.settings.scheme() {
             // its steps shorten themselves, and where they cannot, the point is under-resolved
             Scheme::Taylor => Vec::new(),
             Scheme::Rk4 => self.fixed_step_warnings(),
             Scheme::Radau => self.settling_warning().into_iter().collect(),
+        };
+        self.machine_warnings().into_iter().chain(numerical).collect()
+    }
+
+    fn machine_warnings(&self) -> Vec<String> {
+        let corners = self.grid.corner_machines();
+        if corners.is_empty() {
+            return Vec::new();
         }
+        let mut warnings = plausibility_warnings(&corners);
+        let b = self.extent(Parameter::B).0;
+        if b <= 0.0 {
+            warnings.push(format!(
+                "b = {b:.4} is not positive: the springs do not hold the bush at large angles, and it runs away; raise \
+                 tangent_cubic_stiffness"
+            ));
+        }
+        if b > 0.0 && b.sqrt().recip() > LARGE_ANGLE {
+            warnings.push(format!(
+                "the wells lie at angles of {:.3} rad, and the equation of motion takes the moment of the springs to third \
+                 order in the angle, which holds for small ones: raise tangent_cubic_stiffness",
+                b.sqrt().recip()
+            ));
+        }
+        warnings
     }
 
     fn fixed_step_warnings(&self) -> Vec<String> {

@@ -10,6 +10,7 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Limits, Machine, MachineError, Material, SI_QUANTITIES, SiQuantity};
+use crate::parameters;
 
 /// A complete file, with comments: the machine of the paper's preset, as far as there is one.
 pub const TEMPLATE: &str = include_str!("template.toml");
@@ -37,23 +38,19 @@ const YIELD: &str = "yield_strength";
 ///
 /// # Errors
 /// [`MachineError::Unknown`] with the nearest known name, if one is near.
-pub fn quantity(name: &str) -> Result<SiQuantity, MachineError> {
+fn quantity(name: &str) -> Result<SiQuantity, MachineError> {
     SiQuantity::from_name(name).ok_or_else(|| {
-        let typed = name.to_lowercase();
         let limits = [MATERIAL, AMBIENT, MELTING, YIELD];
         let known = SI_QUANTITIES.iter().map(|info| info.name).chain(limits);
         MachineError::Unknown {
             name: name.to_owned(),
-            suggestion: known
-                .map(|known| (strsim::jaro_winkler(&typed, known), known))
-                .max_by(|a, b| a.0.total_cmp(&b.0))
-                .filter(|(similarity, _)| *similarity > 0.8)
-                .map(|(_, near)| near),
+            suggestion: parameters::nearest(name, known),
         }
     })
 }
 
-pub(super) fn check_range(quantity: SiQuantity, value: f64, unit: &'static str) -> Result<(), MachineError> {
+/// Checks that a quantity may have a value.
+pub(crate) fn check_range(quantity: SiQuantity, value: f64, unit: &'static str) -> Result<(), MachineError> {
     let (min, max) = quantity.info().range;
     check(quantity.name(), value, unit, min, max)
 }
@@ -76,6 +73,18 @@ impl Description {
     /// If the text is no TOML, or has an unknown name or a value of the wrong type.
     pub fn from_toml(text: &str) -> Result<Self, MachineError> {
         Ok(toml::from_str(text)?)
+    }
+
+    /// Sets a value over the one that is written.
+    ///
+    /// # Errors
+    /// [`MachineError::NoLength`] for a contact length where the values are not those of whole parts.
+    pub fn set(&mut self, quantity: SiQuantity, value: f64) -> Result<(), MachineError> {
+        if quantity == SiQuantity::Length && !self.values.contains_key(&quantity) {
+            return Err(MachineError::NoLength(quantity));
+        }
+        self.values.insert(quantity, value);
+        Ok(())
     }
 
     /// The machine; `axes` are quantities that vary, with the value that the machine itself has.

@@ -29,7 +29,7 @@ pub(super) struct Groups<T> {
     pub parameters: [(Parameter, T); DETERMINED],
 }
 
-/// The groups, by the formulas
+/// The groups, by the formulas of the paper
 ///
 /// ```text
 /// k* = k1 (l0/l1 - 1)(1 + l1/R2) - k2          t* = sqrt(B2/(k* R2^2))       V* = R1/t*
@@ -41,7 +41,8 @@ pub(super) struct Groups<T> {
 /// F0 = f0, alpha = f1 V*, beta = f3 V*^3       omega_0 = omega' t*, omega_k = Omega_k t*, zeta_k = Omega_a t*
 /// ```
 ///
-/// with k1, k2, k3, c and B2 over the contact length. `gamma` is the paper's gamma times its omega-tilde. Where k* is not
+/// with k1, k2, k3, c and B2 over the contact length. What cancels in them is left out, so that no derivative is rounding noise
+/// where it is 0: t*^2/B2 is 1/(k* R2^2), P* is E1 U*/((1 + nu1)(1 - 2 nu1) R1), and k_w knows no U*. `gamma` is the paper's gamma times its omega-tilde. Where k* is not
 /// positive, t* is no number, nor is what depends on it.
 pub(super) fn groups<T: Number>(of: impl Fn(Q) -> T) -> Groups<T> {
     let number = T::constant;
@@ -62,18 +63,19 @@ pub(super) fn groups<T: Number>(of: impl Fn(Q) -> T) -> Groups<T> {
     let interference = of(Q::Interference);
 
     let spring = k1 * (l0 / l1 - one) * (one + l1 / r2) - k2;
-    let time = (b2 / (spring * r2 * r2)).sqrt();
+    let stiffness = spring * r2 * r2;
+    let time = (b2 / stiffness).sqrt();
     let temperature = interference / (expansion * (one + poisson) * r1);
     let lateral = one - number(2.0) * poisson;
-    let pressure = expansion * young * temperature / lateral;
+    let modulus = young / ((one + poisson) * lateral);
+    let pressure = modulus * interference / r1;
     let speed = r1 / time;
 
     let ratio = r2 / l1;
     let radial =
         k1 * r2 * (r2 + l1) / number(6.0) * (l0 / l1 * (one + number(3.0) * ratio + number(3.0) * ratio * ratio) - one);
     let tangent = k3 * r2 * r2 * r2 * r2 - number(2.0 / 3.0) * k2 * r2 * r2;
-    let b = (tangent + radial) * time * time / b2;
-    let epsilon = number(2.0 * PI) * r1 * r1 * pressure * time * time / b2;
+    let epsilon = number(2.0 * PI) * r1 * r1 * pressure / stiffness;
     let h = c * r2 * r2 * time / (number(2.0) * b2);
     let heat = (one - of(Q::WearEnergyShare)) * young * expansion * diffusivity / (conductivity * lateral);
     Groups {
@@ -88,13 +90,13 @@ pub(super) fn groups<T: Number>(of: impl Fn(Q) -> T) -> Groups<T> {
             (Parameter::H1, number(2.0) * h / epsilon),
             (Parameter::Omega0, of(Q::ShaftSpeedFrequency) * time),
             (Parameter::OmegaK, of(Q::ShaftSpeedMean) * time),
-            (Parameter::B, b),
+            (Parameter::B, (tangent + radial) / stiffness),
             (Parameter::Epsilon, epsilon),
             (Parameter::F0, of(Q::FrictionDry)),
             (Parameter::Alpha, of(Q::FrictionLinear) * speed),
             (Parameter::Beta, of(Q::FrictionCubic) * speed * speed * speed),
             (Parameter::Gamma, heat),
-            (Parameter::KW, pressure * of(Q::WearCoefficient) * r1 / interference),
+            (Parameter::KW, modulus * of(Q::WearCoefficient)),
             (Parameter::Biot, of(Q::HeatTransfer) * r1 / conductivity),
             (Parameter::OmegaTilde, time * diffusivity / (r1 * r1)),
         ],

@@ -25,14 +25,15 @@ mod sensitivities;
 mod tests;
 pub mod units;
 
+pub(crate) use description::check_range;
 pub use description::{Description, TEMPLATE};
 pub use error::MachineError;
 use groups::Groups;
 pub use groups::governing;
 pub use materials::{CONSTANTS, MATERIALS, Material};
-pub use plausibility::plausibility_warnings;
+pub use plausibility::{Beyond, plausibility_warnings};
 pub use quantities::{SI_QUANTITIES, SiQuantity, SiQuantityInfo};
-pub use sensitivities::{Sensitivities, sensitivities};
+pub use sensitivities::{Group, Sensitivities, sensitivities};
 
 use crate::parameters::{Parameter, ParameterSet};
 
@@ -70,6 +71,49 @@ pub struct Scales {
     pub length: f64,
     /// V* in m/s.
     pub speed: f64,
+}
+
+/// A scale by its kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    Time,
+    Temperature,
+    Pressure,
+    Length,
+}
+
+impl Scale {
+    pub const ALL: [Self; 4] = [Self::Time, Self::Temperature, Self::Pressure, Self::Length];
+
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Time => "s",
+            Self::Temperature => "K",
+            Self::Pressure => "Pa",
+            Self::Length => "m",
+        }
+    }
+
+    /// The name in data files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Time => "time_scale",
+            Self::Temperature => "temperature_scale",
+            Self::Pressure => "pressure_scale",
+            Self::Length => "length_scale",
+        }
+    }
+}
+
+impl Scales {
+    pub fn of(&self, scale: Scale) -> f64 {
+        match scale {
+            Scale::Time => self.time,
+            Scale::Temperature => self.temperature,
+            Scale::Pressure => self.pressure,
+            Scale::Length => self.length,
+        }
+    }
 }
 
 impl Machine {

@@ -106,6 +106,13 @@ pub enum Beyond {
 }
 
 impl Beyond {
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Melting { .. } => "melting",
+            Self::Yield { .. } => "yield",
+        }
+    }
+
     /// How many times the limit is reached.
     pub fn factor(&self) -> f64 {
         match self {

@@ -4,7 +4,7 @@
 
 use super::dual::Dual;
 use super::groups::{self, Groups};
-use super::{Machine, SiQuantity};
+use super::{Machine, Scale, SiQuantity};
 use crate::parameters::Parameter;
 
 /// Logarithmic sensitivities d ln(group)/d ln(quantity): by how many per cent a group moves for one per cent of a quantity.
@@ -12,11 +12,19 @@ use crate::parameters::Parameter;
 pub struct Sensitivities {
     /// Rows, in the table's order.
     pub quantities: Vec<SiQuantity>,
-    /// Columns: symbols of the parameters that the machine determines, of k* and of the scales t*, T*, P*, V*; with their
-    /// values.
-    pub groups: Vec<(&'static str, f64)>,
+    /// Columns: the parameters that the machine determines, k*, and the scales.
+    pub groups: Vec<Group>,
     /// By row and column; NaN where the group is 0, 0 where the quantity is.
     pub values: Vec<Vec<f64>>,
+}
+
+/// What moves with a quantity.
+#[derive(Clone, Copy, Debug)]
+pub struct Group {
+    /// A parameter's name; `k_star` and those of the scales else.
+    pub name: &'static str,
+    pub symbol: &'static str,
+    pub value: f64,
 }
 
 fn dual_groups(machine: &Machine) -> Groups<Dual> {
@@ -34,16 +42,16 @@ pub(super) fn slope(machine: &Machine, quantity: SiQuantity, parameter: Paramete
 pub fn sensitivities(machine: &Machine) -> Sensitivities {
     let groups = dual_groups(machine);
     let scales = [
-        ("k*", groups.spring),
-        ("t*", groups.time),
-        ("T*", groups.temperature),
-        ("P*", groups.pressure),
-        ("V*", groups.speed),
+        ("k_star", "k*", groups.spring),
+        (Scale::Time.name(), "t*", groups.time),
+        (Scale::Temperature.name(), "T*", groups.temperature),
+        (Scale::Pressure.name(), "P*", groups.pressure),
+        ("speed_scale", "V*", groups.speed),
     ];
-    let columns: Vec<(&'static str, Dual)> = groups
+    let columns: Vec<(&'static str, &'static str, Dual)> = groups
         .parameters
         .iter()
-        .map(|(parameter, dual)| (parameter.info().symbol, *dual))
+        .map(|(parameter, dual)| (parameter.name(), parameter.info().symbol, *dual))
         .chain(scales)
         .collect();
     let quantities: Vec<SiQuantity> = machine.quantities().collect();
@@ -51,12 +59,15 @@ pub fn sensitivities(machine: &Machine) -> Sensitivities {
         .iter()
         .map(|&quantity| {
             let logarithmic = |dual: &Dual| dual.slopes[quantity as usize] * machine.value(quantity) / dual.value;
-            columns.iter().map(|(_, dual)| logarithmic(dual)).collect()
+            columns.iter().map(|(_, _, dual)| logarithmic(dual)).collect()
         })
         .collect();
     Sensitivities {
         quantities,
-        groups: columns.iter().map(|(symbol, dual)| (*symbol, dual.value)).collect(),
+        groups: columns
+            .iter()
+            .map(|&(name, symbol, Dual { value, .. })| Group { name, symbol, value })
+            .collect(),
         values,
     }
 }

@@ -60,6 +60,43 @@ fn the_example_in_si_is_the_paper_s_preset_to_three_digits() {
     assert_eq!(scales.length, 1e-9);
 }
 
+#[test]
+fn the_groups_are_those_of_the_formulas_as_the_paper_writes_them() {
+    let machine = generic();
+    let value = |quantity| machine.value(quantity);
+    let (r1, r2, u) = (value(Q::ShaftRadius), value(Q::BushRadius), value(Q::Interference));
+    let (alpha, nu, young) = (
+        value(Q::ThermalExpansion),
+        value(Q::PoissonsRatio),
+        value(Q::YoungsModulus),
+    );
+    let (conductivity, diffusivity) = (value(Q::ThermalConductivity), value(Q::ThermalDiffusivity));
+    let time = (value(Q::Inertia) / (machine.spring() * r2 * r2)).sqrt();
+    let temperature = u / (alpha * (1.0 + nu) * r1);
+    let pressure = alpha * young * temperature / (1.0 - 2.0 * nu);
+    let epsilon = TAU * r1 * r1 * pressure * time * time / value(Q::Inertia);
+    let h = value(Q::Damping) * r2 * r2 * time / (2.0 * value(Q::Inertia));
+    let gamma = (1.0 - value(Q::WearEnergyShare)) * young * alpha * r1 * r1 / (conductivity * (1.0 - 2.0 * nu) * time);
+    let parameters = of(&machine);
+    for (parameter, expected) in [
+        (Parameter::Epsilon, epsilon),
+        (Parameter::H1, 2.0 * h / epsilon),
+        (Parameter::KW, pressure * value(Q::WearCoefficient) * r1 / u),
+        (Parameter::OmegaTilde, time * diffusivity / (r1 * r1)),
+        // the paper's gamma times its omega-tilde
+        (Parameter::Gamma, gamma * time * diffusivity / (r1 * r1)),
+        (Parameter::Biot, value(Q::HeatTransfer) * r1 / conductivity),
+        (Parameter::Beta, value(Q::FrictionCubic) * (r1 / time).powi(3)),
+    ] {
+        let value = parameters[parameter];
+        assert!(
+            (value / expected - 1.0).abs() < 1e-12,
+            "{parameter} = {value}, not {expected}"
+        );
+    }
+    assert!((machine.scales().pressure / pressure - 1.0).abs() < 1e-12);
+}
+
 /// The restoring moment over the contact length at an angle, by elementary geometry: a radial spring between an anchor at
 /// R2 + l1 and the bush's edge, and tangent springs that pull with k2 s + k3 s^3 along s = R2 sin phi, at R2 cos phi.
 fn moment(machine: &Machine, phi: f64) -> f64 {
@@ -165,7 +202,7 @@ fn whole_parts_over_their_length_are_the_values_per_metre() {
 fn sensitivities_are_those_of_finite_differences_and_keep_dimensions() {
     let machine = generic();
     let table = sensitivities(&machine);
-    let column = |symbol: &str| table.groups.iter().position(|(name, _)| *name == symbol).unwrap();
+    let column = |symbol: &str| table.groups.iter().position(|group| group.symbol == symbol).unwrap();
     let entry = |quantity: Q, symbol: &str| {
         let row = table.quantities.iter().position(|other| *other == quantity).unwrap();
         table.values[row][column(symbol)]
@@ -175,7 +212,7 @@ fn sensitivities_are_those_of_finite_differences_and_keep_dimensions() {
         let at = |factor: f64| sensitivities(&machine.with(quantity, machine.value(quantity) * factor)).groups;
         let (up, down) = (at(step.exp()), at((-step).exp()));
         for (index, value) in table.values[row].iter().enumerate() {
-            let expected = (up[index].1 / down[index].1).ln() / (2.0 * step);
+            let expected = (up[index].value / down[index].value).ln() / (2.0 * step);
             assert!(
                 (value - expected).abs() < 1e-8,
                 "{quantity} {index}: {value} {expected}"
@@ -184,17 +221,17 @@ fn sensitivities_are_those_of_finite_differences_and_keep_dimensions() {
     }
     // a change of the unit of length, mass, time or temperature moves no group, and k* as its unit says
     for base in 0..4 {
-        for (index, (symbol, _)) in table.groups.iter().enumerate().take(groups::DETERMINED + 1) {
+        for (index, group) in table.groups.iter().enumerate().take(groups::DETERMINED + 1) {
             let rows = table.quantities.iter().zip(&table.values);
             let total: f64 = rows
                 .map(|(quantity, values)| f64::from(quantity.info().dimension[base]) * values[index])
                 .sum();
-            let expected = if *symbol == "k*" {
+            let expected = if group.name == "k_star" {
                 f64::from([-1, 1, -2, 0][base])
             } else {
                 0.0
             };
-            assert!((total - expected).abs() < 1e-12, "{symbol} {base}: {total}");
+            assert!((total - expected).abs() < 1e-12, "{group:?} {base}: {total}");
         }
     }
     for (quantity, symbol, exponent) in [
@@ -228,7 +265,17 @@ fn what_is_proposed_to_be_changed_changes_the_parameter() {
             None => assert!(!determined, "{}", info.name),
         }
     }
-    assert!(!generic().moves(Q::WearCoefficient, Parameter::Gamma));
+    // exactly, not up to rounding
+    for (quantity, parameter) in [
+        (Q::WearCoefficient, Parameter::Gamma),
+        (Q::ShaftRadius, Parameter::KW),
+        (Q::Interference, Parameter::KW),
+        (Q::Inertia, Parameter::Epsilon),
+        (Q::Inertia, Parameter::B),
+        (Q::ThermalExpansion, Parameter::H1),
+    ] {
+        assert!(!generic().moves(quantity, parameter), "{quantity} {parameter}");
+    }
 }
 
 #[test]

@@ -64,9 +64,14 @@ pub fn si(value: f64, unit: &str) -> String {
     }
 }
 
+/// The value rounded to five digits.
+pub fn five_digits(value: f64) -> f64 {
+    format!("{value:.4e}").parse().unwrap_or(value)
+}
+
 /// Five digits, without trailing zeros.
 fn rounded(value: f64) -> String {
-    let five: f64 = format!("{value:.4e}").parse().unwrap_or(value);
+    let five = five_digits(value);
     if five == 0.0 || (1e-3..1e6).contains(&five.abs()) || !five.is_finite() {
         five.to_string()
     } else {

@@ -5,21 +5,36 @@
 use super::PROGRAM;
 use super::ticks::number;
 use crate::experiment::{Scheme, Settings};
+use crate::grid::{Axis, Coordinate, Fixed};
+use crate::machine::units::{Unit, five_digits};
 use crate::map::ParameterMap;
 use crate::measurement::{QUANTITIES, Quantity, Values};
-use crate::parameters::Parameter;
+use crate::parameters::{PARAMETERS, Parameter};
 
 /// The paragraphs of the caption.
 pub fn of(map: &ParameterMap) -> Vec<String> {
     vec![fixed_parameters(map), numerics(map)]
 }
 
-/// What a parameter means, and its symbol, for axes.
-pub fn parameter_label(parameter: Parameter) -> String {
-    let info = parameter.info();
-    // The table is in ASCII, for terminals.
-    let meaning = info.meaning.replace("epsilon", "ε").replace("h1", "h₁");
-    format!("{meaning}, {}", info.symbol)
+/// The words of an axis, and what its values are multiplied with to be in the unit that the words tell.
+#[derive(Clone, Debug)]
+pub struct AxisLabel {
+    pub words: String,
+    pub factor: f64,
+}
+
+impl AxisLabel {
+    /// What the axis' coordinate means, its symbol, and its unit with a prefix that suits the values.
+    pub fn of(axis: &Axis, at: &Fixed) -> Self {
+        let coordinate = axis.coordinate;
+        // The table of parameters is in ASCII, for terminals.
+        let meaning = coordinate.meaning().replace("epsilon", "ε").replace("h1", "h₁");
+        let unit = Unit::suited(at.unit(coordinate), axis.start.abs().max(axis.stop.abs()));
+        Self {
+            words: format!("{meaning}, {}{}", coordinate.symbol(), unit.bracketed()),
+            factor: unit.factor,
+        }
+    }
 }
 
 /// `symbol = value`, without a break within.
@@ -27,26 +42,67 @@ pub fn assignment(parameter: Parameter, value: f64) -> String {
     format!("{}\u{a0}=\u{a0}{}", parameter.info().symbol, number(value))
 }
 
-fn fixed_parameters(map: &ParameterMap) -> String {
-    fixed(map.experiment.fixed_parameters())
+/// As [`assignment`], with the unit of a machine's quantity.
+pub fn assigned(at: &Fixed, coordinate: Coordinate, value: f64) -> String {
+    match coordinate {
+        Coordinate::Parameter(parameter) => assignment(parameter, value),
+        Coordinate::Si(quantity) => {
+            let unit = Unit::suited(at.unit(coordinate), value);
+            let value = number(five_digits(unit.factor * value));
+            let text = format!("{} = {value} {}", quantity.info().symbol, unit.name);
+            text.trim_end().replace(' ', "\u{a0}")
+        }
+    }
 }
 
-/// The parameters that a picture shows nowhere else; those of heat and wear only where there is some.
-pub fn fixed(parameters: impl Iterator<Item = (Parameter, f64)>) -> String {
+fn fixed_parameters(map: &ParameterMap) -> String {
+    let axes = map.experiment.grid.axes.iter();
+    let shown: Vec<Coordinate> = axes.map(|axis| axis.coordinate).collect();
+    fixed(&map.experiment.grid.fixed, &shown)
+}
+
+/// What a picture shows nowhere else, but in `shown`: parameters, or the machine's quantities and the parameters that it
+/// gives. Those of heat and wear only where there is some.
+pub fn fixed(at: &Fixed, shown: &[impl Into<Coordinate> + Copy]) -> String {
+    let shown: Vec<Coordinate> = shown.iter().map(|&coordinate| coordinate.into()).collect();
+    let parameters = fixed_list(at, &shown);
+    let Some(machine) = at.machine() else {
+        return format!("Fixed parameters: {parameters}. All quantities are dimensionless.");
+    };
+    let quantities = machine
+        .quantities()
+        .filter(|quantity| !shown.contains(&(*quantity).into()));
+    let list: Vec<String> = quantities
+        .map(|quantity| assigned(at, quantity.into(), machine.value(quantity)))
+        .collect();
+    let material = machine
+        .material()
+        .map_or_else(String::new, |material| format!(" of {}", material.title));
+    let list = list.join(", ");
+    format!("Machine with a shaft{material}: {list}. Dimensionless parameters: {parameters}.")
+}
+
+fn fixed_list(at: &Fixed, shown: &[Coordinate]) -> String {
     use Parameter::{Biot, Gamma, KW, OmegaTilde, RampRate};
-    let all: Vec<(Parameter, f64)> = parameters.collect();
+    let all: Vec<(Parameter, f64)> = PARAMETERS
+        .iter()
+        .map(|info| info.parameter)
+        .filter(|parameter| !shown.iter().any(|coordinate| at.moves(*coordinate, *parameter)))
+        .map(|parameter| (parameter, at[parameter]))
+        .collect();
     let is_rubbed = [Gamma, KW].iter().any(|rubbing| !all.contains(&(*rubbing, 0.0)));
     let fixed: Vec<String> = all
         .into_iter()
         .filter(|(parameter, _)| is_rubbed || ![Gamma, KW, Biot, OmegaTilde, RampRate].contains(parameter))
         // no ramp
         .filter(|(_, value)| value.is_finite())
-        .map(|(parameter, value)| assignment(parameter, value))
+        .map(|(parameter, value)| match at.governing(parameter) {
+            // what follows has more digits than the values that it follows from
+            Some(_) => assignment(parameter, five_digits(value)),
+            None => assignment(parameter, value),
+        })
         .collect();
-    format!(
-        "Fixed parameters: {}. All quantities are dimensionless.",
-        fixed.join(", ")
-    )
+    fixed.join(", ")
 }
 
 fn numerics(map: &ParameterMap) -> String {

@@ -2,7 +2,7 @@
 //!
 //! Owns what is drawn of a result; neither computes it nor places panels.
 
-use super::caption::{assignment, parameter_label};
+use super::caption::{AxisLabel, assigned};
 use super::colour;
 use super::density::Density;
 use super::panel::{Layer, Panel, Scale, Stroke};
@@ -12,7 +12,6 @@ use crate::analysis::melnikov::Curve;
 use crate::analysis::onset::Found;
 use crate::analysis::path::PathPoint;
 use crate::measurement::Measurement;
-use crate::parameters::Parameter;
 
 /// Ends of an axis that are given beforehand; None takes them from the data.
 pub type Limits = Option<[f64; 2]>;
@@ -71,11 +70,15 @@ pub fn melnikov(title: &str, curves: &[(String, Vec<[f64; 2]>)], limits: Limits)
 
 /// The threshold in one parameter over another.
 pub fn threshold(curve: &Curve) -> Panel {
+    let label = AxisLabel::of(&curve.over, &curve.fixed);
     let points: Vec<[f64; 2]> = curve
         .thresholds
         .iter()
         .enumerate()
-        .map(|(index, threshold)| [curve.over.value(index), threshold.value().unwrap_or(f64::NAN)])
+        .map(|(index, threshold)| {
+            let value = label.factor * curve.over.value(index);
+            [value, threshold.value().unwrap_or(f64::NAN)]
+        })
         .collect();
     let (low, high) = (
         curve.over.start.min(curve.over.stop),
@@ -84,7 +87,7 @@ pub fn threshold(curve: &Curve) -> Panel {
     let info = curve.search.parameter.info();
     Panel {
         title: String::new(),
-        x: Scale::new(&parameter_label(curve.over.parameter), low, high),
+        x: Scale::new(&label.words, label.factor * low, label.factor * high),
         y: Scale::around(
             &format!("threshold in {}", info.symbol),
             points.iter().map(|point| point[1]),
@@ -191,9 +194,11 @@ pub fn bifurcation(title: &str, diagram: &Diagram, component: Component, limits:
     let density = Density::new(points, extent, [y.low, y.high], [columns, frame[1] as usize]);
     let (step, lowest) = (axis.step().abs(), axis.start.min(axis.stop));
     let left = lowest - 0.5 * step;
+    let label = AxisLabel::of(axis, &diagram.fixed);
+    let ends = [left, left + extent[1] * step].map(|end| label.factor * end);
     Panel {
         title: title.to_owned(),
-        x: Scale::new(&parameter_label(axis.parameter), left, left + extent[1] * step),
+        x: Scale::new(&label.words, ends[0], ends[1]),
         y,
         layers: vec![Layer::Density(density)],
     }
@@ -205,21 +210,24 @@ const BAND: f64 = 2.0;
 /// The three exponents over the axis of a line, with error bands and the onset of chaos.
 pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits) -> Panel {
     let axis = &line.axis;
+    let label = AxisLabel::of(axis, &line.fixed);
+    let value_at = |index: usize| label.factor * axis.value(index);
     let curve = |value: fn(&Measurement) -> f64| -> Vec<[f64; 2]> {
         let points = line.measurements.iter().enumerate();
-        points.map(|(index, m)| [axis.value(index), value(m)]).collect()
+        points.map(|(index, m)| [value_at(index), value(m)]).collect()
     };
     let band = |value: fn(&Measurement) -> [f64; 2]| -> Vec<[f64; 3]> {
         let points = line.measurements.iter().enumerate();
         points
             .map(|(index, m)| {
                 let [value, error] = value(m);
-                [axis.value(index), value - BAND * error, value + BAND * error]
+                [value_at(index), value - BAND * error, value + BAND * error]
             })
             .collect()
     };
     let (first, second, third) = (colour_of(4), colour_of(0), FAINT);
     let (low, high) = (axis.start.min(axis.stop), axis.start.max(axis.stop));
+    let (low, high) = (label.factor * low, label.factor * high);
     let mut layers = vec![
         Layer::Curve {
             name: "λ₃ = 0, along the flow".to_owned(),
@@ -249,8 +257,11 @@ pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits
     ];
     if let Some(found) = onset {
         layers.push(Layer::Flag {
-            x: found.value,
-            words: format!("onset: {}", assignment(axis.parameter, rounded(found.value))),
+            x: label.factor * found.value,
+            words: format!(
+                "onset: {}",
+                assigned(&line.fixed, axis.coordinate, rounded(found.value))
+            ),
             stroke: Stroke::dashed([0, 0, 0], 1.2),
         });
     }
@@ -260,7 +271,7 @@ pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits
         .flat_map(|m| [m.lyapunov, m.lyapunov_second, 0.0]);
     Panel {
         title: title.to_owned(),
-        x: Scale::new(&parameter_label(axis.parameter), low, high),
+        x: Scale::new(&label.words, low, high),
         y: scale("Lyapunov exponents (1/τ)", limits, values),
         layers,
     }
@@ -283,14 +294,4 @@ pub fn rounded(value: f64) -> f64 {
 /// The initial state as captions name it.
 pub fn start([x, y]: [f64; 2]) -> String {
     format!("({x}, {y})").replace('-', "\u{2212}")
-}
-
-/// The parameters that a drawing shows nowhere else, of `all`.
-pub fn fixed(all: &crate::parameters::ParameterSet, shown: &[Parameter]) -> String {
-    let parameters = crate::parameters::PARAMETERS.iter().map(|info| info.parameter);
-    super::caption::fixed(
-        parameters
-            .filter(|parameter| !shown.contains(parameter))
-            .map(|parameter| (parameter, all[parameter])),
-    )
 }

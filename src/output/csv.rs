@@ -13,29 +13,36 @@ use crate::map::{OnsetKind, ParameterMap, threshold};
 /// # Errors
 /// [`CsvError`] if the file cannot be written.
 pub fn write_threshold(path: &Path, map: &ParameterMap) -> Result<(), CsvError> {
-    let (x, y) = (map.x_axis().parameter.info(), map.y_axis().parameter.info());
+    let (x, y) = (map.x_axis().coordinate, map.y_axis().coordinate);
+    let units = [x, y].map(|coordinate| match map.experiment.grid.fixed.unit(coordinate) {
+        "1" => "dimensionless".to_owned(),
+        unit => format!("in {unit}"),
+    });
+    let (x_name, y_name) = (x.name(), y.name());
     write_whole(path, |file| {
         writeln!(
             file,
-            "# {PROGRAM}: onset of chaos, the first change to chaos as {} rises, for each {}",
-            x.name, y.name
+            "# {PROGRAM}: onset of chaos, the first change to chaos as {x_name} rises, for each {y_name}"
         )?;
         writeln!(
             file,
-            "# {}: {}; {}: {}; both dimensionless",
-            x.name, x.meaning, y.name, y.meaning
+            "# {x_name}: {}, {}; {y_name}: {}, {}",
+            x.meaning(),
+            units[0],
+            y.meaning(),
+            units[1]
         )?;
         writeln!(
             file,
-            "# half_width: chaos sets in between {0}_onset - half_width and {0}_onset + half_width",
-            x.name
+            "# half_width: chaos sets in between {x_name}_onset - half_width and {x_name}_onset + \
+             half_width"
         )?;
         writeln!(
             file,
             "# note: none = no chaos in the row, chaotic_from_start = chaotic at the row's first decided point, \
              incomplete = not computed"
         )?;
-        writeln!(file, "{},{}_onset,half_width,note", y.name, x.name)?;
+        writeln!(file, "{y_name},{x_name}_onset,half_width,note")?;
         for onset in threshold(map) {
             write!(file, "{},", onset.y)?;
             match onset.kind {

@@ -5,6 +5,8 @@
 use super::charts::{FAINT, Limits, colour_of, scale};
 use super::panel::{Layer, Panel, Scale, Stroke};
 use crate::dynamics::history::{History, Sample};
+use crate::machine::Scales;
+use crate::machine::units::{Unit, si};
 
 const TIME: &str = "time τ";
 
@@ -12,70 +14,122 @@ const TIME: &str = "time τ";
 pub const PRESSURE: &str = "pressure p";
 pub const WEAR: &str = "wear u_w";
 
-/// A drawn quantity: its words, whether zero is marked, and what it is of a sample.
-type Quantity = (&'static str, bool, fn(&Sample) -> f64);
+/// A quantity where there is a machine: its words, its unit, and what leads to it.
+type Si = (&'static str, &'static str, fn(&Scales) -> f64);
 
-const QUANTITIES: [Quantity; 5] = [
-    (PRESSURE, false, |sample| sample.pressure),
-    (WEAR, false, |sample| sample.wear),
-    ("temperature θ(1, τ)", false, |sample| sample.temperature),
-    ("angle x = φ", true, |sample| sample.x),
-    ("speed y = φ\u{307}", true, |sample| sample.y),
+const SI_TIME: Si = ("time t", "s", |scales| scales.time);
+
+/// A drawn quantity.
+struct Drawn {
+    /// Words of its axis.
+    label: &'static str,
+    si: Si,
+    marks_zero: bool,
+    of: fn(&Sample) -> f64,
+}
+
+const QUANTITIES: [Drawn; 5] = [
+    Drawn {
+        label: PRESSURE,
+        si: ("pressure P", "Pa", |scales| scales.pressure),
+        marks_zero: false,
+        of: |sample| sample.pressure,
+    },
+    Drawn {
+        label: WEAR,
+        si: ("wear U_w", "m", |scales| scales.length),
+        marks_zero: false,
+        of: |sample| sample.wear,
+    },
+    Drawn {
+        label: "temperature θ(1, τ)",
+        si: ("surface T − T₀", "K", |scales| scales.temperature),
+        marks_zero: false,
+        of: |sample| sample.temperature,
+    },
+    Drawn {
+        label: "angle x = φ",
+        si: ("angle φ", "rad", |_| 1.0),
+        marks_zero: true,
+        of: |sample| sample.x,
+    },
+    Drawn {
+        label: "speed y = φ\u{307}",
+        si: ("speed dφ/dt", "rad/s", |scales| 1.0 / scales.time),
+        marks_zero: true,
+        of: |sample| sample.y,
+    },
 ];
 
-/// A history in five panels over one axis of time: p, u_w, theta(1, tau), phi and phi-dot. The loss of contact is a line
-/// through all of them, and its time stands above the first.
-pub fn stacked(history: &History) -> Vec<Panel> {
+/// Words of an axis, and what dimensionless values are multiplied with, which are no greater than `largest`.
+fn worded(label: &str, (words, unit, factor): Si, scales: Option<&Scales>, largest: f64) -> (String, f64) {
+    let Some(factor) = scales.map(factor) else {
+        return (label.to_owned(), 1.0);
+    };
+    let unit = Unit::suited(unit, factor * largest);
+    (format!("{words}{}", unit.bracketed()), factor * unit.factor)
+}
+
+/// A history in five panels over one axis of time: p, u_w, theta(1, tau), phi and phi-dot; with the scales of a machine, in
+/// SI units. The loss of contact is a line through all of them, and its time stands above the first.
+pub fn stacked(history: &History, scales: Option<&Scales>) -> Vec<Panel> {
     let end = history.samples.last().map_or(0.0, |sample| sample.tau);
     // a run that was given up at once still needs an axis
-    let time = Scale::new(TIME, 0.0, if end > 0.0 { end } else { 1.0 });
+    let end = if end > 0.0 { end } else { 1.0 };
+    let (time_label, time_factor) = worded(TIME, SI_TIME, scales, end);
+    let time = Scale::new(&time_label, 0.0, time_factor * end);
     let lowest = QUANTITIES.len() - 1;
-    let panels = QUANTITIES
-        .iter()
-        .enumerate()
-        .map(|(index, &(label, marks_zero, value))| {
-            let mut layers = Vec::new();
-            if marks_zero {
-                layers.push(Layer::Level {
-                    y: 0.0,
-                    stroke: Stroke::solid(FAINT, 1.0),
-                });
-            }
-            let points = thinned(curve(&history.samples, value));
-            // a line needs two points
-            layers.push(if points.len() < 2 {
-                Layer::Marks {
-                    name: String::new(),
-                    points,
-                    colour: colour_of(index),
-                    radius: 3.5,
-                }
-            } else {
-                Layer::Curve {
-                    name: String::new(),
-                    points,
-                    stroke: Stroke::solid(colour_of(index), 1.2),
-                }
+    let panels = QUANTITIES.iter().enumerate().map(|(index, drawn)| {
+        let values = history.samples.iter().map(drawn.of);
+        let largest = values.fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        let (label, factor) = worded(drawn.label, drawn.si, scales, largest);
+        let value = |sample: &Sample| factor * (drawn.of)(sample);
+        let mut layers = Vec::new();
+        if drawn.marks_zero {
+            layers.push(Layer::Level {
+                y: 0.0,
+                stroke: Stroke::solid(FAINT, 1.0),
             });
-            if let Some(lost) = history.contact_lost {
-                let words = format!("contact lost at τ_c = {lost:.3}");
-                layers.push(Layer::Flag {
-                    x: lost,
-                    words: if index == 0 { words } else { String::new() },
-                    stroke: Stroke::dashed([0, 0, 0], 1.2),
-                });
+        }
+        let curve = curve(&history.samples, value).into_iter();
+        let points = thinned(curve.map(|[tau, value]| [time_factor * tau, value]).collect());
+        // a line needs two points
+        layers.push(if points.len() < 2 {
+            Layer::Marks {
+                name: String::new(),
+                points,
+                colour: colour_of(index),
+                radius: 3.5,
             }
-            Panel {
-                title: String::new(),
-                x: if index < lowest {
-                    time.clone().bare()
-                } else {
-                    time.clone()
-                },
-                y: Scale::around(label, history.samples.iter().map(value)),
-                layers,
+        } else {
+            Layer::Curve {
+                name: String::new(),
+                points,
+                stroke: Stroke::solid(colour_of(index), 1.2),
             }
         });
+        if let Some(lost) = history.contact_lost {
+            let words = match scales {
+                Some(scales) => format!("contact lost at t_c = {}", si(scales.time * lost, "s")),
+                None => format!("contact lost at τ_c = {lost:.3}"),
+            };
+            layers.push(Layer::Flag {
+                x: time_factor * lost,
+                words: if index == 0 { words } else { String::new() },
+                stroke: Stroke::dashed([0, 0, 0], 1.2),
+            });
+        }
+        Panel {
+            title: String::new(),
+            x: if index < lowest {
+                time.clone().bare()
+            } else {
+                time.clone()
+            },
+            y: Scale::around(&label, history.samples.iter().map(value)),
+            layers,
+        }
+    });
     panels.collect()
 }
 
@@ -167,7 +221,7 @@ mod tests {
     #[test]
     fn panels_share_their_axis_and_say_once_when_contact_was_lost() {
         for count in [1, 100] {
-            let panels = stacked(&made_up(count));
+            let panels = stacked(&made_up(count), None);
             assert!(
                 panels
                     .iter()
@@ -182,6 +236,46 @@ mod tests {
             assert!(bounds.left() >= 0.0 && bounds.top() >= 0.0);
             assert!(bounds.right() <= figure.width as f32 && bounds.bottom() <= figure.height as f32);
         }
+    }
+
+    #[test]
+    fn a_machine_s_history_is_drawn_in_si_units() {
+        let scales = Scales {
+            time: 0.02,
+            temperature: 0.1,
+            pressure: 2e6,
+            length: 3e-9,
+            speed: 0.05,
+        };
+        let panels = stacked(&made_up(100), Some(&scales));
+        let labels: Vec<&str> = panels.iter().map(|panel| panel.y.label.as_str()).collect();
+        assert_eq!(
+            labels,
+            [
+                "pressure P (MPa)",
+                "wear U_w (m)",
+                "surface T − T₀ (K)",
+                "angle φ (rad)",
+                "speed dφ/dt (rad/s)"
+            ]
+        );
+        // 9.9 tau of 20 ms each
+        assert_eq!(panels[4].x.label, "time t (ms)");
+        assert!((panels[4].x.high - 198.0).abs() < 1e-9);
+        let Layer::Flag { x, words, .. } = &panels[0].layers[1] else {
+            panic!("the loss of contact is a flag")
+        };
+        assert!(
+            (x - 145.0).abs() < 1e-9 && words == "contact lost at t_c = 145 ms",
+            "{words}"
+        );
+        let Layer::Curve { points, .. } = &panels[4].layers[1] else {
+            panic!("the speed is a curve")
+        };
+        assert!(
+            (points[0][1] - 50.0).abs() < 1e-9 && (points[1][0] - 2.0).abs() < 1e-9,
+            "{points:?}"
+        );
     }
 
     #[test]

@@ -10,13 +10,15 @@ pub use super::plot::Overlay;
 use super::plot::{self, Cell, Kind, Plot};
 use super::ticks::{round_step, round_up};
 use crate::experiment::Experiment;
+use crate::machine::units::Unit;
 use crate::map::{OnsetKind, ParameterMap, threshold};
 use crate::measurement::{Class, Quantity, Values};
 
 /// How a picture is drawn.
 #[derive(Clone, Debug)]
 pub struct Style {
-    /// Values at the ends of the colour bar; by default they are taken from the data. A two-sided scale is always
+    /// Values at the ends of the colour bar, in SI units without a prefix where it is in SI; by default they are taken from
+    /// the data. A two-sided scale is always
     /// centred at zero: its colours reach as far as the larger of the two.
     pub limits: Option<(f64, f64)>,
     pub colours: ColourScale,
@@ -82,7 +84,8 @@ pub fn lyapunov_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Fig
         Kind::new(colour::RUNAWAY, "runaway"),
         Kind::new(colour::UNDER_RESOLVED, "under-resolved"),
     ];
-    let values = map.column(Quantity::Lyapunov);
+    let shown = Shown::of(map, Quantity::Lyapunov);
+    let values = &shown.values;
     let cells = cells(map, |index| match map.class(index) {
         Some(Class::QuasiPeriodic) => Cell::Kind(0),
         Some(Class::Undecided) => Cell::Kind(1),
@@ -92,7 +95,7 @@ pub fn lyapunov_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Fig
         // an exponent of finite time
         None => Cell::Value(values[index]),
     });
-    let bar = bar(Quantity::Lyapunov, &cells, style)?;
+    let bar = bar(Quantity::Lyapunov, &shown, &cells, style)?;
     let onsets = if style.threshold { threshold(map) } else { Vec::new() };
     let curve = onsets.iter().map(|onset| match onset.kind {
         OnsetKind::At { x, .. } => Some(x),
@@ -216,14 +219,15 @@ fn number_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -> Resu
         Kind::new(colour::RUNAWAY, "runaway"),
         Kind::new(colour::UNDER_RESOLVED, "under-resolved"),
     ];
-    let values = map.column(quantity);
+    let shown = Shown::of(map, quantity);
+    let values = &shown.values;
     let cells = cells(map, |index| match values[index] {
         _ if map.is_runaway(index) && quantity != Quantity::RunawayTime => Cell::Kind(1),
         _ if map.is_under_resolved(index) => Cell::Kind(2),
         value if value.is_finite() => Cell::Value(value),
         _ => Cell::Kind(0),
     });
-    let bar = bar(quantity, &cells, style)?;
+    let bar = bar(quantity, &shown, &cells, style)?;
     draw(
         map,
         style,
@@ -312,8 +316,43 @@ fn is_two_sided(quantity: Quantity) -> bool {
     )
 }
 
+/// The values of a quantity as they are drawn: in SI units where there is a machine and the quantity has one.
+struct Shown {
+    values: Vec<f64>,
+    /// Words of the colour bar, with the unit.
+    label: String,
+    /// What a value in plain units is multiplied with.
+    factor: f64,
+}
+
+impl Shown {
+    fn of(map: &ParameterMap, quantity: Quantity) -> Self {
+        let info = quantity.info();
+        if let (Some(values), Some(scale)) = (map.si_column(quantity), quantity.scale()) {
+            let finite = values.iter().filter(|value| value.is_finite());
+            let largest = finite.fold(0.0, |largest: f64, value| largest.max(value.abs()));
+            let unit = Unit::suited(scale.unit(), largest);
+            return Self {
+                values: values.iter().map(|value| unit.factor * value).collect(),
+                label: format!("{}{}", quantity.si_label(), unit.bracketed()),
+                factor: unit.factor,
+            };
+        }
+        let units = if info.units == "1" {
+            String::new()
+        } else {
+            format!(" ({})", info.units.replace("tau", "τ"))
+        };
+        Self {
+            values: map.column(quantity).to_vec(),
+            label: format!("{}{units}", info.label),
+            factor: 1.0,
+        }
+    }
+}
+
 /// The colour bar; none if there is no value that it would explain.
-fn bar(quantity: Quantity, cells: &[Cell], style: &Style) -> Result<Option<Bar>, FigureError> {
+fn bar(quantity: Quantity, shown: &Shown, cells: &[Cell], style: &Style) -> Result<Option<Bar>, FigureError> {
     if let Some((low, high)) = style.limits
         && !(low < high && low.is_finite() && high.is_finite())
     {
@@ -335,19 +374,14 @@ fn bar(quantity: Quantity, cells: &[Cell], style: &Style) -> Result<Option<Bar>,
     values.sort_unstable_by(f64::total_cmp);
     let (least, greatest) = (values[0], values[values.len() - 1]);
     let two_sided = is_two_sided(quantity);
-    let (low, high) = style
+    let limits = style
         .limits
-        .unwrap_or_else(|| if two_sided { symmetric(&values) } else { span(&values) });
+        .map(|(low, high)| (shown.factor * low, shown.factor * high));
+    let (low, high) = limits.unwrap_or_else(|| if two_sided { symmetric(&values) } else { span(&values) });
     let colours = style.colours;
     let reach = low.abs().max(high.abs());
-    let info = quantity.info();
-    let units = if info.units == "1" {
-        String::new()
-    } else {
-        format!(" ({})", info.units.replace("tau", "τ"))
-    };
     Ok(Some(Bar {
-        label: format!("{}{units}", info.label),
+        label: shown.label.clone(),
         low,
         high,
         below: least < low,

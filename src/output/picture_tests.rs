@@ -1,5 +1,6 @@
 use super::*;
 use crate::output::samples;
+use crate::output::samples::machine_experiment;
 use resvg::tiny_skia::Pixmap;
 
 /// Pixels that have a colour.
@@ -153,4 +154,71 @@ fn maps_that_are_too_large_are_refused() {
             .contains("16385 x 100 points is too large")
     );
     assert!(message("zeta_k=0:12:16384", "h1=0:2:16384").is_err());
+}
+
+#[test]
+fn a_machine_s_map_has_axes_and_values_in_si_units() {
+    let experiment = machine_experiment("shaft_speed_amplitude=50:300:6", "interference=1e-9:5e-9:5");
+    let mut map = ParameterMap::new(experiment);
+    for index in 0..30 {
+        let mut measurement = samples::measurement(-1.0);
+        measurement.contact.peak_pressure = 50.0;
+        measurement.contact.peak_temperature = f64::from(index as u8);
+        map.set(index, &measurement);
+    }
+    // the scale of pressure is proportional to the interference
+    let pressures = map.si_column(Quantity::PeakPressure).unwrap();
+    assert!((pressures[0] / (50.0 * 365_384.615) - 1.0).abs() < 1e-8);
+    assert!((pressures[29] / pressures[0] - 5.0).abs() < 1e-12);
+    assert!(map.si_column(Quantity::Lyapunov).is_none());
+    let svg = |quantity| quantity_picture(&map, quantity, &Style::default()).unwrap().svg;
+    let pressure = svg(Quantity::PeakPressure);
+    for words in [
+        "greatest contact pressure P (MPa)",
+        "Ωₐ (rad/s)",
+        "U∗ (nm)",
+        ">2.5<",
+        "Machine with a shaft of steel of",
+        "k₁\u{a0}=\u{a0}612\u{a0}kN/m²",
+        "k_w\u{a0}=\u{a0}0.010012",
+    ] {
+        assert!(pressure.contains(words), "{words}");
+    }
+    // neither what is an axis nor what changes along one is told as fixed
+    assert!(!pressure.contains("Ωₐ\u{a0}=") && !pressure.contains("ζₖ\u{a0}=") && !pressure.contains("ε\u{a0}="));
+    assert!(svg(Quantity::PeakTemperature).contains("rise of the surface temperature, T − T₀ (K)"));
+    assert!(svg(Quantity::Lyapunov).contains("(1/τ)"));
+    // limits are in Pa, whatever the prefix
+    let style = Style {
+        limits: Some((0.0, 4e7)),
+        ..Style::default()
+    };
+    let limited = quantity_picture(&map, Quantity::PeakPressure, &style).unwrap().svg;
+    assert!(limited.contains("≥\u{a0}40"), "{limited}");
+    assert_eq!(map.beyond_limits(), [""; 0]);
+}
+
+#[test]
+fn fiction_is_counted_with_its_worst_point() {
+    let experiment = machine_experiment("shaft_speed_amplitude=50:300:6", "interference=1e-9:5e-9:5");
+    let mut map = ParameterMap::new(experiment);
+    for index in 0..30 {
+        let mut measurement = samples::measurement(-1.0);
+        measurement.contact.peak_pressure = 200.0;
+        measurement.contact.peak_temperature = if index == 27 { 1e4 } else { 0.0 };
+        map.set(index, &measurement);
+    }
+    let warnings = map.beyond_limits();
+    assert_eq!(warnings.len(), 2);
+    assert!(
+        warnings[0]
+            .starts_with("fiction at 1 points (3.3 %): at shaft_speed_amplitude = 200 rad/s, interference = 5 nm"),
+        "{warnings:?}"
+    );
+    // 219 MPa at 3 nm, beyond 205
+    assert!(warnings[1].starts_with("fiction at 18 points (60.0 %)"), "{warnings:?}");
+    assert!(
+        warnings[1].contains("365.38 MPa, and the shaft yields at 205 MPa"),
+        "{warnings:?}"
+    );
 }

@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use super::caption;
+use super::caption::AxisLabel;
 use super::colour::Rgb;
 use super::colour_bar::Bar;
 use super::figure::{Figure, FigureError};
@@ -45,6 +45,8 @@ impl Kind {
 pub struct Plot {
     pub x: Axis,
     pub y: Axis,
+    /// Of x and y.
+    pub labels: [AxisLabel; 2],
     /// In the order of the map.
     pub cells: Vec<Cell>,
     pub kinds: Vec<Kind>,
@@ -124,6 +126,7 @@ impl Plot {
         Self {
             x: *map.x_axis(),
             y: *map.y_axis(),
+            labels: [map.x_axis(), map.y_axis()].map(|axis| AxisLabel::of(axis, &map.experiment.grid.fixed)),
             cells: Vec::new(),
             kinds: Vec::new(),
             heading: String::new(),
@@ -147,10 +150,17 @@ impl Plot {
             unit,
         };
 
+        let [x_label, y_label] = &self.labels;
         let x_room = |widest: f64| (widest + 20.0 * unit).max(95.0 * unit);
-        let x_ticks = self.axis_ticks(&self.x, plot_width, x_room, layout.tick_size());
-        let y_ticks = self.axis_ticks(&self.y, plot_height, |_| 60.0 * unit, layout.tick_size());
-        let y_label = wrap(&axis_label(&self.y), layout.label_size(), plot_height);
+        let x_ticks = axis_ticks(&self.x, x_label.factor, plot_width, x_room, layout.tick_size());
+        let y_ticks = axis_ticks(
+            &self.y,
+            y_label.factor,
+            plot_height,
+            |_| 60.0 * unit,
+            layout.tick_size(),
+        );
+        let y_label = wrap(&y_label.words, layout.label_size(), plot_height);
         let y_tick_width = widest(y_ticks.iter().map(|tick| tick.label.as_str()), layout.tick_size());
         let label_line = 1.35 * layout.label_size();
         layout.left = (layout.margin() + y_label.len() as f64 * label_line + y_tick_width + 14.0 * unit).ceil();
@@ -180,23 +190,6 @@ impl Plot {
             width: page_width,
             height: page_height,
         })
-    }
-
-    /// Ticks within the values of the axis, not within the half cells beyond: there the map says nothing. `room` is the
-    /// least distance between ticks, given the width of the widest label; `length` is that of the whole map.
-    fn axis_ticks(&self, axis: &Axis, length: f64, room: impl Fn(f64) -> f64, size: f64) -> Vec<Tick> {
-        let (low, high) = (axis.start.min(axis.stop), axis.start.max(axis.stop));
-        let length = length * (axis.count - 1) as f64 / axis.count as f64;
-        let most = (length / room(0.0)) as usize;
-        let fits = |ticks: &Vec<Tick>| {
-            let widest = widest(ticks.iter().map(|tick| tick.label.as_str()), size);
-            ticks.len() as f64 * room(widest) <= length + room(widest)
-        };
-        (1..=most)
-            .rev()
-            .map(|most| ticks(low, high, most))
-            .find(fits)
-            .unwrap_or_else(|| ticks(low, high, 1))
     }
 
     fn draw_map(&self, svg: &mut String, layout: &Layout) -> Result<(), FigureError> {
@@ -343,7 +336,7 @@ impl Plot {
             upright(svg, text, x, layout.top + 0.5 * layout.height, layout.label_size());
         }
         let mut y = bottom + 9.0 * unit + size;
-        for text in wrap(&axis_label(&self.x), layout.label_size(), layout.width) {
+        for text in wrap(&self.labels[0].words, layout.label_size(), layout.width) {
             y += label_line;
             words(
                 svg,
@@ -426,6 +419,25 @@ fn dashes(unit: f64) -> String {
     format!(" stroke-dasharray=\"{} {}\"", 9.0 * unit, 4.0 * unit)
 }
 
-fn axis_label(axis: &Axis) -> String {
-    caption::parameter_label(axis.parameter)
+/// Ticks within the values of the axis, not within the half cells beyond: there the map says nothing. They are round numbers
+/// once multiplied with `factor`. `room` is the least distance between ticks, given the width of the widest label; `length`
+/// is that of the whole map.
+fn axis_ticks(axis: &Axis, factor: f64, length: f64, room: impl Fn(f64) -> f64, size: f64) -> Vec<Tick> {
+    let [start, stop] = [axis.start, axis.stop].map(|end| factor * end);
+    let (low, high) = (start.min(stop), start.max(stop));
+    let length = length * (axis.count - 1) as f64 / axis.count as f64;
+    let most = (length / room(0.0)) as usize;
+    let fits = |ticks: &Vec<Tick>| {
+        let widest = widest(ticks.iter().map(|tick| tick.label.as_str()), size);
+        ticks.len() as f64 * room(widest) <= length + room(widest)
+    };
+    let mut ticks = (1..=most)
+        .rev()
+        .map(|most| ticks(low, high, most))
+        .find(fits)
+        .unwrap_or_else(|| ticks(low, high, 1));
+    for tick in &mut ticks {
+        tick.value /= factor;
+    }
+    ticks
 }

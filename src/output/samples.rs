@@ -2,6 +2,7 @@
 
 use crate::experiment::{Experiment, Request};
 use crate::grid::Axis;
+use crate::machine::{Description, TEMPLATE};
 use crate::map::ParameterMap;
 use crate::measurement::{BackendKind, Class, Contact, Measurement, Status};
 
@@ -9,6 +10,17 @@ pub fn experiment(x: &str, y: &str) -> Experiment {
     let request = Request {
         x: Axis::parse(x).unwrap(),
         y: Axis::parse(y).unwrap(),
+        ..Request::default()
+    };
+    request.resolve().unwrap()
+}
+
+/// As [`experiment`], of the machine that has the paper's preset.
+pub fn machine_experiment(x: &str, y: &str) -> Experiment {
+    let request = Request {
+        x: Axis::parse(x).unwrap(),
+        y: Axis::parse(y).unwrap(),
+        machine: Some(Description::from_toml(TEMPLATE).unwrap()),
         ..Request::default()
     };
     request.resolve().unwrap()

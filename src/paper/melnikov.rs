@@ -112,7 +112,7 @@ pub fn figure_4_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
         columns: 2,
         frame: BESIDE,
         caption: vec![
-            charts::fixed(&ParameterSet::default(), &shown),
+            caption::fixed(&ParameterSet::default().into(), &shown),
             format!("As figure 4.1 of Awrejcewicz and Pyryev (2006). {PROGRAM}."),
         ],
     };

@@ -10,7 +10,7 @@ use crate::analysis::onset::{Definition, Found, Onset, onset, scan};
 use crate::backend::cpu::CpuBackend;
 use crate::dynamics::spectrum::lyapunov_spectrum;
 use crate::experiment::{Precision, Settings};
-use crate::grid::Axis;
+use crate::grid::{Axis, Fixed};
 use crate::output::charts::{self, Component};
 use crate::output::panel::Panel;
 use crate::output::sheet::{BESIDE, Sheet};
@@ -73,15 +73,15 @@ fn definition() -> Definition {
 
 fn axis([start, stop]: [f64; 2], count: usize) -> Axis {
     Axis {
-        parameter: Parameter::ZetaK,
+        coordinate: Parameter::ZetaK.into(),
         start,
         stop,
         count,
     }
 }
 
-fn damped(h1: f64) -> ParameterSet {
-    ParameterSet::default().with(Parameter::H1, h1)
+fn damped(h1: f64) -> Fixed {
+    ParameterSet::default().with(Parameter::H1, h1).into()
 }
 
 fn backends() -> Backends {
@@ -377,7 +377,7 @@ fn trivial_exponent(effort: Effort) -> Row {
     let largest = [1.0, 3.5, 3.9, 6.0, 9.0]
         .into_iter()
         .filter_map(|zeta_k| {
-            let point = from(&damped(0.5).with(Parameter::ZetaK, zeta_k), START);
+            let point = from(&damped(0.5).parameters().with(Parameter::ZetaK, zeta_k), START);
             lyapunov_spectrum(&point, &settings)
         })
         .map(|[_, _, third]| third.abs())
@@ -390,7 +390,7 @@ fn trivial_exponent(effort: Effort) -> Row {
     )
 }
 
-fn outcome(work: &Work, at: &ParameterSet, drawn: [Drawn; 4], rows: Vec<Row>) -> Outcome {
+fn outcome(work: &Work, at: &Fixed, drawn: [Drawn; 4], rows: Vec<Row>) -> Outcome {
     let (panels, data): (Vec<Panel>, Vec<Data>) = drawn.into_iter().unzip();
     let outside: usize = panels.iter().map(charts::outside).sum();
     let mut numerics = format!(
@@ -411,7 +411,7 @@ fn outcome(work: &Work, at: &ParameterSet, drawn: [Drawn; 4], rows: Vec<Row>) ->
         panels,
         columns: 2,
         frame: BESIDE,
-        caption: vec![charts::fixed(at, &shown), format!("{numerics}{PROGRAM}.")],
+        caption: vec![caption::fixed(at, &shown), format!("{numerics}{PROGRAM}.")],
     };
     Outcome { sheet, rows, data }
 }

@@ -165,7 +165,7 @@ const SPEEDS: [f64; 2] = [-4.5, 4.5];
 fn measured(work: &Work, point: &ParameterSet, observer: &mut Observer<'_>) -> Result<Option<Measurement>, PaperError> {
     let grid = Grid {
         axes: Vec::new(),
-        fixed: *point,
+        fixed: (*point).into(),
     };
     let mut backends = Backends::new(Box::new(CpuBackend::new(Precision::F64)), None);
     let observer = &mut |_: crate::sweep::Event<'_>| observer();
@@ -417,7 +417,7 @@ fn words(at: &ParameterSet, varied: &[Parameter], id: &str, numerics: &str) -> V
     let mut shown = vec![Parameter::ZetaK, Parameter::RampRate];
     shown.extend(varied);
     vec![
-        charts::fixed(at, &shown),
+        caption::fixed(&(*at).into(), &shown),
         format!(
             "{numerics}Biot number, ω̃ and the initial state are not in the paper, and reconstructed. {}, {} heat modes. As \
              figure {id} of Awrejcewicz and Pyryev (2006). {PROGRAM}.",

@@ -12,7 +12,7 @@ mod threshold;
 
 pub use self::extremes::Extremes;
 pub use self::integrals::Integrals;
-pub use self::threshold::{Search, Threshold, threshold};
+pub use self::threshold::{Search, Threshold, threshold, threshold_along};
 
 use crate::parameters::{Parameter, ParameterSet};
 

@@ -70,19 +70,35 @@ impl Threshold {
 /// # Errors
 /// [`MelnikovError::NoHomoclinicOrbit`] if b is not positive somewhere on the way.
 pub fn threshold(at: &ParameterSet, search: &Search) -> Result<Threshold, MelnikovError> {
-    let changes = |value: f64| -> Result<bool, MelnikovError> {
-        Ok(Melnikov::new(&at.with(search.parameter, value))?.side() == Side::Both)
-    };
-    if changes(search.low)? {
+    let Search {
+        parameter,
+        low,
+        high,
+        steps,
+    } = *search;
+    threshold_along(&|value| at.with(parameter, value), [low, high], steps)
+}
+
+/// As [`threshold`], along any path `at` through the parameters, from `low` upward to `high` in `steps` steps.
+///
+/// # Errors
+/// As [`threshold`].
+pub fn threshold_along(
+    at: &impl Fn(f64) -> ParameterSet,
+    [low, high]: [f64; 2],
+    steps: u32,
+) -> Result<Threshold, MelnikovError> {
+    let at = |value: f64| Melnikov::new(&at(value));
+    let changes = |value: f64| -> Result<bool, MelnikovError> { Ok(at(value)?.side() == Side::Both) };
+    if changes(low)? {
         return Ok(Threshold::BelowRange);
     }
     let value = |k: u32| {
-        let t = f64::from(k) / f64::from(search.steps);
-        search.low * (1.0 - t) + search.high * t
+        let t = f64::from(k) / f64::from(steps);
+        low * (1.0 - t) + high * t
     };
-    for k in 1..=search.steps {
+    for k in 1..=steps {
         if changes(value(k))? {
-            let at = |value: f64| Melnikov::new(&at.with(search.parameter, value));
             let bracket = [value(k - 1), value(k)];
             if let Some(found) = followed(&at, bracket)? {
                 // what the one extreme says must hold of the whole function

@@ -5,8 +5,9 @@
 use serde_json::json;
 use zarrs::array::{ArrayBuilder, ArrayMetadataOptions, DataType, data_type};
 
-use crate::grid::Axis;
-use crate::measurement::{QuantityInfo, Values};
+use crate::grid::{Axis, Fixed};
+use crate::machine::Scale;
+use crate::measurement::{QUANTITIES, QuantityInfo, Values};
 
 /// Marks a group as a map.
 pub const FORMAT: &str = "tribochaos map";
@@ -31,15 +32,32 @@ pub fn plain_metadata() -> ArrayMetadataOptions {
     ArrayMetadataOptions::default().with_include_zarrs_metadata(false)
 }
 
-pub fn coordinate(axis: &Axis) -> ArrayBuilder {
-    let info = axis.parameter.info();
+pub fn coordinate(axis: &Axis, fixed: &Fixed) -> ArrayBuilder {
+    let coordinate = axis.coordinate;
     let count = axis.count as u64;
     let mut array = ArrayBuilder::new(vec![count], vec![count], data_type(Values::Number), f64::NAN);
-    array.dimension_names(Some([info.name]));
+    array.dimension_names(Some([coordinate.name()]));
     let attributes = array.attributes_mut();
-    attributes.insert("long_name".into(), info.meaning.into());
-    attributes.insert("symbol".into(), info.symbol.into());
-    attributes.insert("units".into(), "1".into());
+    attributes.insert("long_name".into(), coordinate.meaning().into());
+    attributes.insert("symbol".into(), coordinate.symbol().into());
+    attributes.insert("units".into(), fixed.unit(coordinate).into());
+    array
+}
+
+/// What a dimensionless quantity is multiplied with at each point to be one in SI units.
+pub fn scale(scale: Scale, x: &Axis, y: &Axis, tile: [usize; 2]) -> ArrayBuilder {
+    let shape = vec![y.count as u64, x.count as u64];
+    let chunk = tile.map(|count| count as u64).to_vec();
+    let mut array = ArrayBuilder::new(shape, chunk, data_type(Values::Number), f64::NAN);
+    array.dimension_names(Some([y.coordinate.name(), x.coordinate.name()]));
+    let of: Vec<&str> = QUANTITIES
+        .iter()
+        .filter(|info| info.quantity.scale() == Some(scale))
+        .map(|info| info.name)
+        .collect();
+    let attributes = array.attributes_mut();
+    attributes.insert("long_name".into(), format!("scale of {}", of.join(", ")).into());
+    attributes.insert("units".into(), scale.unit().into());
     array
 }
 
@@ -50,7 +68,7 @@ pub fn variable(info: &QuantityInfo, x: &Axis, y: &Axis, tile: [usize; 2]) -> Ar
         Values::Number => ArrayBuilder::new(shape, chunk, data_type(info.values), f64::NAN),
         Values::Code(_) => ArrayBuilder::new(shape, chunk, data_type(info.values), NO_CODE),
     };
-    array.dimension_names(Some([y.parameter.name(), x.parameter.name()]));
+    array.dimension_names(Some([y.coordinate.name(), x.coordinate.name()]));
     let attributes = array.attributes_mut();
     attributes.insert("long_name".into(), info.label.into());
     attributes.insert("units".into(), info.units.into());

@@ -13,6 +13,7 @@ use zarrs::filesystem::FilesystemStore;
 use zarrs::group::{Group, GroupBuilder};
 
 use self::layout::{FORMAT, FORMAT_VERSION, NO_CODE, coordinate, data_type, node, plain_metadata, variable};
+use self::scales::ScaleArrays;
 use super::{PROGRAM, write_whole};
 use crate::experiment::{Experiment, Request};
 use crate::grid::Axis;
@@ -21,6 +22,7 @@ use crate::measurement::{Measurement, QUANTITIES, Quantity, QuantityInfo, Values
 
 mod error;
 mod layout;
+mod scales;
 mod tile;
 
 pub use error::StoreError;
@@ -52,6 +54,7 @@ pub struct MapStore {
     group: Group<FilesystemStore>,
     /// In the order of [`QUANTITIES`].
     arrays: Vec<Array<FilesystemStore>>,
+    scales: ScaleArrays,
 }
 
 impl MapStore {
@@ -79,7 +82,7 @@ impl MapStore {
 
         let mut arrays = Vec::new();
         for axis in [x, y] {
-            let array = coordinate(axis).build(storage.clone(), &node(axis.parameter.name()));
+            let array = coordinate(axis, &experiment.grid.fixed).build(storage.clone(), &node(axis.coordinate.name()));
             let array = array.map_err(|error| failed(error.to_string()))?;
             array
                 .store_metadata_opt(&plain_metadata())
@@ -96,6 +99,7 @@ impl MapStore {
                 .map_err(|error| failed(error.to_string()))?;
             arrays.push(array);
         }
+        let scales = ScaleArrays::create(&storage, experiment, tile).map_err(|error| failed(error.to_string()))?;
         let mut attributes = Map::new();
         attributes.insert("format".into(), FORMAT.into());
         attributes.insert("format_version".into(), FORMAT_VERSION.into());
@@ -109,6 +113,7 @@ impl MapStore {
             tile,
             group,
             arrays,
+            scales,
         };
         // Last: what has no group metadata is no store, so a creation that was cut short is recognised.
         store.write_group()?;
@@ -152,7 +157,7 @@ impl MapStore {
 
         let [x, y] = axes(&experiment);
         for axis in [x, y] {
-            let name = axis.parameter.name();
+            let name = axis.coordinate.name();
             let values = Array::open(storage.clone(), &node(name))
                 .map_err(|error| error.to_string())
                 .and_then(|array| {
@@ -186,6 +191,7 @@ impl MapStore {
             }
             arrays.push(array);
         }
+        let scales = ScaleArrays::open(&storage, &experiment).map_err(damaged)?;
         let tile = tile
             .flatten()
             .expect("there are quantities, and each was checked to have a tile shape");
@@ -195,6 +201,7 @@ impl MapStore {
             tile,
             group,
             arrays,
+            scales,
         })
     }
 
@@ -238,6 +245,14 @@ impl MapStore {
             tile.len(),
             "one measurement for each point of the tile"
         );
+        let failed = |error: zarrs::array::ArrayError| StoreError::Write {
+            path: self.path.clone(),
+            reason: error.to_string(),
+        };
+        let [x, _] = axes(&self.experiment);
+        let padded = |scale: &dyn Fn(usize) -> f64| self.padded(tile, tile.indices(x.count).map(scale), f64::NAN);
+        let chunk = self.chunk(tile);
+        self.scales.write(&self.experiment, &chunk, padded).map_err(failed)?;
         // The status goes last, since it is what tells a finished tile.
         let others = QUANTITIES.iter().filter(|info| info.quantity != Quantity::Status);
         for info in others.chain([Quantity::Status.info()]) {
@@ -250,10 +265,7 @@ impl MapStore {
                     array.store_chunk(&self.chunk(tile), self.padded(tile, codes, NO_CODE))
                 }
             };
-            stored.map_err(|error| StoreError::Write {
-                path: self.path.clone(),
-                reason: error.to_string(),
-            })?;
+            stored.map_err(failed)?;
         }
         Ok(())
     }
@@ -409,7 +421,8 @@ pub fn size_bytes(experiment: &Experiment, tile: [usize; 2]) -> u64 {
     let point: u64 = QUANTITIES
         .iter()
         .map(|info| if info.values == Values::Number { 8 } else { 1 })
-        .sum();
+        .sum::<u64>()
+        + ScaleArrays::size(experiment);
     padded(y.count, tile[0]) * padded(x.count, tile[1]) * point + 8 * (x.count + y.count) as u64
 }
 

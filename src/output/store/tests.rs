@@ -1,8 +1,9 @@
 use serde_json::json;
 
 use super::*;
+use crate::machine::Scale;
 use crate::measurement::BackendKind;
-use crate::output::samples::{experiment, measurement};
+use crate::output::samples::{experiment, machine_experiment, measurement};
 use crate::parameters::PARAMETERS;
 
 /// A store of 7 x 5 points in tiles of 2 rows and 3 columns, of which the tiles that `write` names are written.
@@ -54,6 +55,32 @@ fn tiles_cover_the_map_and_are_cut_at_its_edges() {
     let mut indices: Vec<usize> = tiles.iter().flat_map(|tile| tile.indices(7)).collect();
     indices.sort_unstable();
     assert_eq!(indices, (0..35).collect::<Vec<_>>());
+}
+
+#[test]
+fn scales_of_a_machine_are_stored_point_by_point() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("machine.zarr");
+    let experiment = machine_experiment("interference=1e-9:7e-9:7", "inertia=1e-3:5e-3:5");
+    let store = MapStore::create(&path, &experiment, [2, 3]).unwrap();
+    for tile in store.tiles() {
+        store.write_tile(&tile, &measurements(&tile, 0)).unwrap();
+    }
+    let storage = Arc::new(FilesystemStore::new(&path).unwrap());
+    for scale in Scale::ALL {
+        let array = Array::open(storage.clone(), &node(scale.name())).unwrap();
+        assert_eq!(array.attributes()["units"], scale.unit());
+        let values: Vec<f64> = array.retrieve_array_subset(&array.subset_all()).unwrap();
+        for (index, value) in values.iter().enumerate() {
+            let machine = experiment.grid.machine(index).unwrap();
+            assert_eq!(*value, machine.scales().of(scale), "{scale:?} {index}");
+        }
+    }
+    let units = |name: &str| Array::open(storage.clone(), &node(name)).unwrap().attributes()["units"].clone();
+    assert_eq!((units("interference"), units("inertia")), (json!("m"), json!("kg m")));
+    assert_eq!(MapStore::open(&path).unwrap().experiment(), &experiment);
+    fs::remove_dir_all(path.join("time_scale")).unwrap();
+    assert!(reason(&path).contains("time_scale"));
 }
 
 #[test]

@@ -1,16 +1,17 @@
-//! Axes and grids: point index to named parameter values, in f64.
-//!
-//! Owns the order of points (the first axis varies fastest); knows nothing of how points are computed.
+//! Axes: evenly spaced values, and how they are typed.
 
 use serde::{Deserialize, Serialize};
 
-use crate::parameters::{Parameter, ParameterError, ParameterSet};
+use super::Coordinate;
+use crate::machine::MachineError;
+use crate::parameters::ParameterError;
 
-/// Evenly spaced values of one parameter, both ends included.
+/// Evenly spaced values of one coordinate, both ends included.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Axis {
-    pub parameter: Parameter,
+    #[serde(rename = "parameter")]
+    pub coordinate: Coordinate,
     pub start: f64,
     pub stop: f64,
     pub count: usize,
@@ -21,11 +22,11 @@ impl Axis {
     pub const MAX_COUNT: usize = 1_000_000;
 
     /// # Errors
-    /// If an end is out of the parameter's range, the ends are equal, or the count is below 2 or above
+    /// If an end is out of the coordinate's range, the ends are equal, or the count is below 2 or above
     /// [`Axis::MAX_COUNT`].
-    pub fn new(parameter: Parameter, start: f64, stop: f64, count: usize) -> Result<Self, AxisError> {
+    pub fn new(coordinate: impl Into<Coordinate>, start: f64, stop: f64, count: usize) -> Result<Self, AxisError> {
         let axis = Self {
-            parameter,
+            coordinate: coordinate.into(),
             start,
             stop,
             count,
@@ -39,9 +40,9 @@ impl Axis {
     /// # Errors
     /// As [`Axis::new`].
     pub fn check(&self) -> Result<(), AxisError> {
-        let name = self.parameter.name();
-        self.parameter.check(self.start)?;
-        self.parameter.check(self.stop)?;
+        let name = self.coordinate.name();
+        self.coordinate.check(self.start)?;
+        self.coordinate.check(self.stop)?;
         if !(self.start.is_finite() && self.stop.is_finite()) {
             return Err(AxisError::Infinite { name });
         }
@@ -67,13 +68,13 @@ impl Axis {
     pub fn parse(text: &str) -> Result<Self, AxisError> {
         let malformed = || AxisError::Malformed { text: text.to_owned() };
         let (name, range) = text.split_once('=').ok_or_else(malformed)?;
-        let parameter = Parameter::from_name(name.trim())?;
+        let coordinate = Coordinate::from_name(name.trim())?;
         let fields: Vec<&str> = range.split(':').map(str::trim).collect();
         let [start, stop, count] = fields[..] else {
             return Err(malformed());
         };
         Self::new(
-            parameter,
+            coordinate,
             start.parse().map_err(|_| malformed())?,
             stop.parse().map_err(|_| malformed())?,
             count.parse().map_err(|_| malformed())?,
@@ -108,60 +109,13 @@ pub enum AxisError {
     Count { name: &'static str, count: usize },
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-}
-
-/// Points of a scan: fixed parameters, and axes of which the first varies fastest. Without axes, one point.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Grid {
-    pub axes: Vec<Axis>,
-    pub fixed: ParameterSet,
-}
-
-impl Grid {
-    /// Number of points.
-    pub fn len(&self) -> usize {
-        self.axes.iter().map(|axis| axis.count).product()
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// The parameters of point `index`.
-    pub fn point(&self, mut index: usize) -> ParameterSet {
-        let mut values = self.fixed;
-        for axis in &self.axes {
-            values[axis.parameter] = axis.value(index % axis.count);
-            index /= axis.count;
-        }
-        values
-    }
+    #[error(transparent)]
+    Machine(#[from] MachineError),
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_first_axis_varies_fastest_and_the_ends_are_met() {
-        let axes = vec![
-            Axis::parse("zeta_k=0:12:4").unwrap(),
-            Axis::parse("h1=2:0.1:3").unwrap(),
-        ];
-        let grid = Grid {
-            axes,
-            fixed: ParameterSet::default(),
-        };
-        assert_eq!(grid.len(), 12);
-        assert_eq!(
-            (grid.point(3)[Parameter::ZetaK], grid.point(3)[Parameter::H1]),
-            (12.0, 2.0)
-        );
-        assert_eq!(
-            (grid.point(8)[Parameter::ZetaK], grid.point(11)[Parameter::H1]),
-            (0.0, 0.1)
-        );
-    }
 
     #[test]
     fn bad_axes_are_refused_with_a_reason() {
@@ -176,6 +130,11 @@ mod tests {
             ("zeta_k=0:inf:5", "out of range"),
             ("epsilon_0=0:1:5", "out of range"),
             ("zetta_k=0:1:5", "did you mean"),
+            ("intereference=0:1:5", "did you mean `interference`"),
+            (
+                "interference=-1e-9:1e-9:5",
+                "interference = -0.000000001 m is out of range",
+            ),
         ] {
             let message = Axis::parse(text).unwrap_err().to_string();
             assert!(message.contains(reason), "{text}: {message}");

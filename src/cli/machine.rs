@@ -1,0 +1,225 @@
+//! `machine`: from SI units to the dimensionless parameters.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use anyhow::anyhow;
+use clap::Args;
+use serde_json::{Map, Value, json};
+use tribochaos::experiment::{Experiment, Request};
+use tribochaos::grid::Coordinate;
+use tribochaos::machine::units::si;
+use tribochaos::machine::{CONSTANTS, Group, MATERIALS, Machine, Scale, Sensitivities, TEMPLATE, sensitivities};
+use tribochaos::parameters::Parameter;
+
+use super::request::{self, SubjectArgs};
+use super::{Failure, analysis};
+
+/// Prints the dimensionless parameters, the scales that lead back to SI units, what is unlikely, and the logarithmic
+/// sensitivities d ln(group)/d ln(quantity): by how many per cent a group moves for one per cent of a quantity.
+#[derive(Args)]
+pub struct MachineArgs {
+    /// The machine, as --template prints one
+    file: Option<PathBuf>,
+    /// Value of a quantity, over that of the file; may be repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = request::assignment)]
+    set: Vec<(Coordinate, f64)>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// Print a complete file with comments, the machine of the paper's preset, and stop
+    #[arg(long, conflicts_with_all = ["file", "set", "json", "materials"])]
+    template: bool,
+    /// Print the table of materials with their sources, and stop
+    #[arg(long, conflicts_with_all = ["file", "set"])]
+    materials: bool,
+}
+
+pub fn run(args: &MachineArgs) -> Result<(), Failure> {
+    if args.template {
+        say_on!("{TEMPLATE}");
+        return Ok(());
+    }
+    if args.materials {
+        if args.json {
+            say!("{:#}", materials_object());
+        } else {
+            say_on!("{}", materials());
+        }
+        return Ok(());
+    }
+    let subject = SubjectArgs {
+        set: args.set.clone(),
+        machine: args.file.clone(),
+    };
+    let missing = || Failure::Input(anyhow!("there is no machine: give its file; --template prints one"));
+    if args.file.is_none() {
+        return Err(missing());
+    }
+    let mut request = Request::default();
+    subject.apply(&mut request)?;
+    let experiment = request.resolve_point().map_err(Failure::input)?;
+    let machine = experiment.grid.fixed.machine().ok_or_else(missing)?;
+    if args.json {
+        say!("{:#}", object(&experiment, machine));
+        return Ok(());
+    }
+    for warning in experiment.warnings() {
+        eprintln!("warning: {warning}");
+    }
+    say_on!("{}", words(&experiment, machine));
+    Ok(())
+}
+
+/// The parameters that the machine gives, in the table's order.
+fn determined(experiment: &Experiment) -> impl Iterator<Item = (Parameter, f64)> + '_ {
+    let is_determined = |parameter| experiment.grid.fixed.governing(parameter).is_some();
+    experiment
+        .fixed_parameters()
+        .filter(move |(parameter, _)| is_determined(*parameter))
+}
+
+fn words(experiment: &Experiment, machine: &Machine) -> String {
+    let mut text = String::from("dimensionless parameters\n");
+    for (parameter, value) in determined(experiment) {
+        let info = parameter.info();
+        let _ = writeln!(
+            text,
+            "  {:<12} {:<3} {value:<12.6} {}",
+            info.name, info.symbol, info.meaning
+        );
+    }
+    let scales = machine.scales();
+    let _ = writeln!(
+        text,
+        "\nscales: a dimensionless result times its scale is one in SI units"
+    );
+    for (scale, symbol, of) in [
+        (Scale::Time, "t*", "time"),
+        (Scale::Temperature, "T*", "temperature above the ambient one"),
+        (Scale::Pressure, "P*", "contact pressure"),
+        (Scale::Length, "U*", "wear"),
+    ] {
+        let value = si(scales.of(scale), scale.unit());
+        let _ = writeln!(text, "  {symbol:<16} {value:<12} {of}");
+    }
+    let _ = writeln!(text, "  {:<16} {:<12} sliding speed", "V*", si(scales.speed, "m/s"));
+    let _ = writeln!(
+        text,
+        "\nk* {} per metre of contact; wells at angles of {:.3} rad, 1/sqrt(b)",
+        si(machine.spring(), "N/m²"),
+        1.0 / experiment.grid.fixed[Parameter::B].sqrt()
+    );
+    let _ = writeln!(
+        text,
+        "\nlogarithmic sensitivities: per cent of a group for one per cent of a quantity (. for none)"
+    );
+    text + &table(&sensitivities(machine))
+}
+
+/// The sensitivities in two blocks, of the parameters and of k* and the scales, which fit a terminal.
+fn table(table: &Sensitivities) -> String {
+    let mut text = String::new();
+    let first_scale = table
+        .groups
+        .iter()
+        .position(|group| group.name == "k_star")
+        .unwrap_or(0);
+    for columns in [0..first_scale, first_scale..table.groups.len()] {
+        let _ = write!(text, "\n  {:<24}", "");
+        for Group { symbol, .. } in &table.groups[columns.clone()] {
+            // a combining mark takes no room
+            let width = 6 + symbol.chars().filter(|c| *c == '\u{303}').count();
+            let _ = write!(text, "{symbol:>width$}");
+        }
+        text.push('\n');
+        for (quantity, values) in table.quantities.iter().zip(&table.values) {
+            let cells = &values[columns.clone()];
+            if cells.iter().all(|value| *value == 0.0) {
+                continue;
+            }
+            let _ = write!(text, "  {:<24}", quantity.name());
+            for value in cells {
+                let cell = match *value {
+                    value if value.is_nan() => "-".to_owned(),
+                    0.0 => ".".to_owned(),
+                    value => format!("{value:.2}"),
+                };
+                let _ = write!(text, "{cell:>6}");
+            }
+            text.push('\n');
+        }
+    }
+    text
+}
+
+fn object(experiment: &Experiment, machine: &Machine) -> Value {
+    let parameters: Map<String, Value> = determined(experiment)
+        .map(|(parameter, value)| (parameter.name().to_owned(), value.into()))
+        .collect();
+    let scales = machine.scales();
+    let table = sensitivities(machine);
+    let rows: Map<String, Value> = table
+        .quantities
+        .iter()
+        .zip(&table.values)
+        .map(|(quantity, values)| {
+            let row: Map<String, Value> = table
+                .groups
+                .iter()
+                .zip(values)
+                .map(|(group, value)| (group.name.to_owned(), (*value).into()))
+                .collect();
+            (quantity.name().to_owned(), row.into())
+        })
+        .collect();
+    let object = json!({
+        "parameters": parameters,
+        "scales": {
+            "time_s": scales.time,
+            "temperature_k": scales.temperature,
+            "pressure_pa": scales.pressure,
+            "length_m": scales.length,
+            "speed_m_per_s": scales.speed,
+        },
+        "k_star_n_per_m2": machine.spring(),
+        "warnings": experiment.warnings(),
+        "sensitivities": rows,
+    });
+    analysis::with_machine(object, experiment)
+}
+
+fn materials() -> String {
+    let mut text = String::new();
+    for material in MATERIALS {
+        let _ = writeln!(text, "{}: {}", material.name, material.title);
+        let constants: Vec<String> = CONSTANTS
+            .iter()
+            .zip(material.constants)
+            .map(|(quantity, value)| format!("{} {}", quantity.info().symbol, si(value, quantity.info().unit)))
+            .collect();
+        let _ = writeln!(
+            text,
+            "  {}; melts at {} K, yields at {}\n  {}",
+            constants.join(", "),
+            material.melting_point,
+            si(material.yield_strength, "Pa"),
+            material.source
+        );
+    }
+    text
+}
+
+fn materials_object() -> Value {
+    let object = |material: &tribochaos::machine::Material| {
+        let mut object = json!({ "name": material.name, "title": material.title });
+        for (quantity, value) in CONSTANTS.iter().zip(material.constants) {
+            object[quantity.name()] = value.into();
+        }
+        object["melting_point"] = material.melting_point.into();
+        object["yield_strength"] = material.yield_strength.into();
+        object["source"] = material.source.into();
+        object
+    };
+    MATERIALS.iter().map(object).collect()
+}

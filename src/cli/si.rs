@@ -1,0 +1,70 @@
+//! Results of a machine in SI units: as objects, behind dimensionless numbers, and as warnings.
+//!
+//! Owns the names and words; the scales are the library's.
+
+use std::f64::consts::TAU;
+
+use serde_json::{Value, json};
+use tribochaos::grid::Fixed;
+use tribochaos::machine::units::si;
+use tribochaos::machine::{Scale, SiQuantity};
+use tribochaos::measurement::{Contact, Measurement};
+use tribochaos::parameters::Parameter;
+
+/// A dimensionless value in SI units, to stand behind it: ` (35.06 MPa)`; nothing without a machine.
+pub fn behind(at: &Fixed, value: f64, scale: Scale) -> String {
+    match at.machine() {
+        Some(machine) if value.is_finite() => {
+            format!(" ({})", si(machine.scales().of(scale) * value, scale.unit()))
+        }
+        _ => String::new(),
+    }
+}
+
+/// What the contact came to; null without a machine.
+pub fn contact(at: &Fixed, contact: &Contact) -> Value {
+    let Some(machine) = at.machine() else {
+        return Value::Null;
+    };
+    let scales = machine.scales();
+    json!({
+        "contact_time_s": contact.lost.map(|time| scales.time * time),
+        "peak_pressure_pa": scales.pressure * contact.peak_pressure,
+        "peak_pressure_time_s": scales.time * contact.peak_pressure_time,
+        "final_wear_m": scales.length * contact.final_wear,
+        // above the ambient temperature
+        "peak_temperature_rise_k": scales.temperature * contact.peak_temperature,
+    })
+}
+
+/// As [`contact`], with the exponent and the frequencies of the drive and of the motion.
+pub fn measurement(at: &Fixed, m: &Measurement) -> Value {
+    let mut object = contact(at, &m.contact);
+    if let Some(machine) = at.machine() {
+        let frequency = machine.value(SiQuantity::ShaftSpeedFrequency) / TAU;
+        object["lyapunov_per_s"] = (m.lyapunov / machine.scales().time).into();
+        object["forcing_frequency_hz"] = frequency.into();
+        object["motion_frequency_hz"] = m.period.map(|period| frequency / f64::from(period)).into();
+    }
+    object
+}
+
+/// Warnings of results that no machine of the material survives, each a sentence.
+pub fn beyond(at: &Fixed, contact: &Contact) -> Vec<String> {
+    let Some(machine) = at.machine() else {
+        return Vec::new();
+    };
+    let beyond = machine.beyond(contact.peak_pressure, contact.peak_temperature);
+    beyond.iter().map(|beyond| format!("fiction: {beyond}")).collect()
+}
+
+/// Where the fixed parameters and scales of a machine are printed.
+pub fn period_frequency(at: &Fixed, period: Option<u32>) -> String {
+    match (at.machine(), period) {
+        (Some(machine), Some(period)) => {
+            let forcing = at[Parameter::Omega0] / machine.scales().time / TAU;
+            format!(" ({})", si(forcing / f64::from(period), "Hz"))
+        }
+        _ => String::new(),
+    }
+}

@@ -1,0 +1,118 @@
+//! What can be set and varied: a dimensionless parameter or a quantity of a machine.
+//!
+//! Owns the passage from names; ranges are those of the two tables.
+
+use std::fmt;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::{AxisError, GridError};
+use crate::machine::{self, SI_QUANTITIES, SiQuantity};
+use crate::parameters::{self, PARAMETERS, Parameter, ParameterError};
+
+/// What an axis runs over and what can be set: a dimensionless parameter, or a quantity of a machine in SI units.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Coordinate {
+    Parameter(Parameter),
+    Si(SiQuantity),
+}
+
+impl From<Parameter> for Coordinate {
+    fn from(parameter: Parameter) -> Self {
+        Self::Parameter(parameter)
+    }
+}
+
+impl From<SiQuantity> for Coordinate {
+    fn from(quantity: SiQuantity) -> Self {
+        Self::Si(quantity)
+    }
+}
+
+impl Coordinate {
+    /// The name used in commands, files and data.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Parameter(parameter) => parameter.name(),
+            Self::Si(quantity) => quantity.name(),
+        }
+    }
+
+    /// The symbol used in pictures.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Parameter(parameter) => parameter.info().symbol,
+            Self::Si(quantity) => quantity.info().symbol,
+        }
+    }
+
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Parameter(parameter) => parameter.info().meaning,
+            Self::Si(quantity) => quantity.info().meaning,
+        }
+    }
+
+    /// Finds a parameter or a quantity by its name.
+    ///
+    /// # Errors
+    /// [`ParameterError::Unknown`] with the nearest known name, if one is near.
+    pub fn from_name(name: &str) -> Result<Self, ParameterError> {
+        if let Some(quantity) = SiQuantity::from_name(name) {
+            return Ok(Self::Si(quantity));
+        }
+        if let Ok(parameter) = Parameter::from_name(name) {
+            return Ok(Self::Parameter(parameter));
+        }
+        let quantities = SI_QUANTITIES.iter().map(|info| info.name);
+        Err(ParameterError::Unknown {
+            name: name.to_owned(),
+            suggestion: parameters::nearest(name, PARAMETERS.iter().map(|info| info.name).chain(quantities)),
+        })
+    }
+
+    /// Checks that it can be set, or be an axis, where there is a machine or none.
+    ///
+    /// # Errors
+    /// [`GridError::Determined`] or [`GridError::NoMachine`].
+    pub fn check_free(self, has_machine: bool) -> Result<(), GridError> {
+        match self {
+            Self::Parameter(parameter) => match machine::governing(parameter) {
+                Some(governing) if has_machine => Err(GridError::Determined { parameter, governing }),
+                _ => Ok(()),
+            },
+            Self::Si(_) if has_machine => Ok(()),
+            Self::Si(quantity) => Err(GridError::NoMachine { name: quantity.name() }),
+        }
+    }
+
+    /// Checks that it may take `value`.
+    ///
+    /// # Errors
+    /// If the value is out of range, or no number.
+    pub fn check(self, value: f64) -> Result<(), AxisError> {
+        match self {
+            Self::Parameter(parameter) => Ok(parameter.check(value)?),
+            Self::Si(quantity) => Ok(machine::check_range(quantity, value, quantity.info().unit)?),
+        }
+    }
+}
+
+impl fmt::Display for Coordinate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Serialize for Coordinate {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for Coordinate {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        Self::from_name(&name).map_err(serde::de::Error::custom)
+    }
+}
