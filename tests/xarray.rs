@@ -1,20 +1,56 @@
 //! The store opens in Python's xarray as a labelled data set. Where Python or xarray is missing the test is skipped,
 //! unless TRIBOCHAOS_REQUIRE_PYTHON is set.
 
+use std::path::Path;
 use std::process::Command;
 
 use tribochaos::experiment::Request;
 use tribochaos::grid::Axis;
+use tribochaos::machine::{Description, TEMPLATE};
 use tribochaos::measurement::{BackendKind, Class, Measurement, Status};
 use tribochaos::output::store::MapStore;
 
-#[test]
-fn xarray_opens_the_store() {
+fn has_xarray() -> bool {
     let found = Command::new("python3").args(["-c", "import xarray, zarr"]).output();
-    if !found.as_ref().is_ok_and(|output| output.status.success()) {
+    let is_there = found.as_ref().is_ok_and(|output| output.status.success());
+    if !is_there {
         let required = std::env::var_os("TRIBOCHAOS_REQUIRE_PYTHON").is_some();
         assert!(!required, "python3 with xarray and zarr is required: {found:?}");
         eprintln!("skipped: python3 with xarray and zarr is not there");
+    }
+    is_there
+}
+
+fn check(script: &str, store: &Path) {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(script);
+    let output = Command::new("python3").arg(script).arg(store).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn xarray_opens_the_store_of_a_machine() {
+    if !has_xarray() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("machine.zarr");
+    let experiment = Request {
+        x: Axis::parse("interference=1e-9:3e-9:3").unwrap(),
+        y: Axis::parse("damping=0:778:2").unwrap(),
+        machine: Some(Description::from_toml(TEMPLATE).unwrap()),
+        ..Request::default()
+    };
+    let store = MapStore::create(&path, &experiment.resolve().unwrap(), [2, 3]).unwrap();
+    for tile in store.tiles() {
+        let measurements: Vec<Measurement> = tile.indices(3).map(measurement).collect();
+        store.write_tile(&tile, &measurements).unwrap();
+    }
+    check("xarray_opens_machine.py", &path);
+}
+
+#[test]
+fn xarray_opens_the_store() {
+    if !has_xarray() {
         return;
     }
 
@@ -38,10 +74,7 @@ fn xarray_opens_the_store() {
         let measurements: Vec<Measurement> = tile.indices(x.count).map(measurement).collect();
         store.write_tile(&tile, &measurements).unwrap();
     }
-
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/xarray_opens.py");
-    let output = Command::new("python3").arg(script).arg(&path).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    check("xarray_opens.py", &path);
 }
 
 /// Known to `xarray_opens.py`: the exponent tells the point's index; the last point ran away.
