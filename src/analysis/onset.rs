@@ -11,7 +11,7 @@
 use super::exponents::{Line, lines};
 use crate::backend::BackendError;
 use crate::experiment::{Scheme, Settings};
-use crate::grid::{Axis, Fixed};
+use crate::grid::{Axis, Fixed, Grid};
 use crate::measurement::{Class, Measurement};
 use crate::sweep::{Backends, Observer};
 
@@ -123,6 +123,13 @@ pub fn scan(
     starts: &[[f64; 2]],
     observer: &mut Observer<'_>,
 ) -> Result<Option<Option<Found>>, BackendError> {
+    // the fine grid may reach beyond the axis by a spacing
+    let grid = Grid {
+        axes: vec![*axis],
+        fixed: *at,
+    };
+    grid.extents()
+        .map_err(|error| BackendError::Unsupported(error.to_string()))?;
     let scanned = lines(backends, &definition.settings, at, axis, starts, observer)?;
     Ok(scanned.map(|scanned| first_chaos(definition, axis, &scanned)))
 }

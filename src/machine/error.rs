@@ -51,6 +51,15 @@ pub enum MachineError {
         l1: f64,
         least: f64,
     },
+    #[error(
+        "{} = {} m must be below {} = {} m: the bush lies around the shaft, which is wider than its hole by the interference",
+        names[0], values[0], names[1], values[1]
+    )]
+    Radii {
+        names: [&'static str; 2],
+        /// In m.
+        values: [f64; 2],
+    },
     #[error("{source}; it follows from the machine: change {governing} ({})", governing.info().meaning)]
     Group {
         source: ParameterError,

@@ -189,7 +189,8 @@ impl Machine {
     /// Checks that the machine has parameters, all within their ranges.
     ///
     /// # Errors
-    /// [`MachineError::Range`] for a value out of its range, [`MachineError::Spring`] where k* is not positive,
+    /// [`MachineError::Range`] for a value out of its range, [`MachineError::Radii`] unless U* < R1 < R2,
+    /// [`MachineError::Spring`] where k* is not positive,
     /// [`MachineError::Group`] for a parameter out of its range.
     pub fn check(&self) -> Result<(), MachineError> {
         for quantity in self.quantities() {
@@ -206,11 +207,25 @@ impl Machine {
         description::check_range(quantity, value, self.unit(quantity))
     }
 
-    /// As [`Machine::check`], of a machine whose values are within their ranges.
+    /// As [`Machine::check`], of a machine whose single values are within their ranges.
     ///
     /// # Errors
     /// As [`Machine::check`].
     pub fn check_groups(&self) -> Result<(), MachineError> {
+        let radii = [
+            SiQuantity::Interference,
+            SiQuantity::ShaftRadius,
+            SiQuantity::BushRadius,
+        ];
+        for pair in radii.windows(2) {
+            let [smaller, larger] = [pair[0], pair[1]].map(|quantity| self.value(quantity));
+            if smaller >= larger {
+                return Err(MachineError::Radii {
+                    names: [pair[0].name(), pair[1].name()],
+                    values: [smaller, larger],
+                });
+            }
+        }
         let groups = self.groups();
         let k_star = groups.spring;
         if k_star <= 0.0 {

@@ -84,16 +84,12 @@ pub fn plausibility_warnings(corners: &[Machine]) -> Vec<String> {
     warnings
 }
 
-/// Of a tube from R1 to R2 with the bush's moment of inertia, B2 = (pi/2) rho (R2^4 - R1^4); NaN if R2 is not above R1.
+/// Of a tube from R1 to R2 with the bush's moment of inertia, B2 = (pi/2) rho (R2^4 - R1^4).
 fn density(machine: &Machine) -> f64 {
     let value = |quantity| machine.value(quantity);
     let (r1, r2) = (value(SiQuantity::ShaftRadius), value(SiQuantity::BushRadius));
     let inertia = value(SiQuantity::Inertia) / value(SiQuantity::Length);
-    if r2 > r1 {
-        2.0 * inertia / (PI * (r2.powi(4) - r1.powi(4)))
-    } else {
-        f64::NAN
-    }
+    2.0 * inertia / (PI * (r2.powi(4) - r1.powi(4)))
 }
 
 /// By which factor a limit of the material is passed, and what it is.

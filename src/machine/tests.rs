@@ -332,6 +332,14 @@ fn bad_machines_are_refused_with_a_reason() {
             "spring_free_length = 0.03125 m must be above 0.032000 m, by 7.50e-4 m more",
         ),
         (with("tangent_stiffness = 1e6"), "k* = -8.2000e4 N/m² is not positive"),
+        (
+            with("bush_radius = 1e-3"),
+            "shaft_radius = 0.001 m must be below bush_radius = 0.001 m",
+        ),
+        (
+            with("interference = 2e-3"),
+            "interference = 0.002 m must be below shaft_radius",
+        ),
         (with("shaft_speed_frequency = 1e7"), "omega_0 = 1695"),
         (with("shaft_speed_frequency = 1e7"), "change shaft_speed_frequency"),
         (with("melting_point = -3"), "melting_point = -3 K is out of range"),
