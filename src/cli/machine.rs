@@ -9,7 +9,9 @@ use serde_json::{Map, Value, json};
 use tribochaos::experiment::{Experiment, Request};
 use tribochaos::grid::Coordinate;
 use tribochaos::machine::units::si;
-use tribochaos::machine::{CONSTANTS, Group, MATERIALS, Machine, Scale, Sensitivities, TEMPLATE, sensitivities};
+use tribochaos::machine::{
+    CONSTANTS, Group, MATERIALS, Machine, SI_QUANTITIES, Scale, Sensitivities, TEMPLATE, sensitivities,
+};
 use tribochaos::parameters::Parameter;
 
 use super::request::{self, SubjectArgs};
@@ -18,6 +20,7 @@ use super::{Failure, analysis};
 /// Prints the dimensionless parameters, the scales that lead back to SI units, what is unlikely, and the logarithmic
 /// sensitivities d ln(group)/d ln(quantity): by how many per cent a group moves for one per cent of a quantity.
 #[derive(Args)]
+#[command(after_help = quantity_table())]
 pub struct MachineArgs {
     /// The machine, as --template prints one
     file: Option<PathBuf>,
@@ -33,6 +36,29 @@ pub struct MachineArgs {
     /// Print the table of materials with their sources, and stop
     #[arg(long, conflicts_with_all = ["file", "set"])]
     materials: bool,
+}
+
+/// The table of quantities, for the end of the help.
+fn quantity_table() -> String {
+    let mut help =
+        String::from("Quantities (those with two units per metre of contact length, or of the whole part):\n");
+    for info in SI_QUANTITIES {
+        let unit = match (info.unit, info.whole_unit) {
+            ("1", _) => String::new(),
+            (unit, None) => unit.to_owned(),
+            (unit, Some(whole)) => format!("{unit} or {whole}"),
+        };
+        let _ = writeln!(
+            help,
+            "  {:<24}{:<4}{unit:<18}{} {}",
+            info.name, info.symbol, info.meaning, info.source
+        );
+    }
+    help.push_str(
+        "\nmaterial gives youngs_modulus to thermal_diffusivity by its name. ambient_temperature (293.15 K), melting_point and\n\
+         yield_strength, of the material unless given, are what results are judged by.\n",
+    );
+    help
 }
 
 pub fn run(args: &MachineArgs) -> Result<(), Failure> {

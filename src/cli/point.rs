@@ -150,7 +150,7 @@ fn print(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) {
     say!(
         "period              {}{}",
         m.period.map_or("none found".to_owned(), |period| period.to_string()),
-        si::period_frequency(at, m.period)
+        si::frequency_behind(at, m.period)
     );
     say!("x, y                {:.9} {:.9}  (last stroboscopic state)", m.x, m.y);
     say!("extremes of x       {:.6} {:.6}", m.x_min, m.x_max);

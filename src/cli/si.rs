@@ -7,9 +7,8 @@ use std::f64::consts::TAU;
 use serde_json::{Value, json};
 use tribochaos::grid::Fixed;
 use tribochaos::machine::units::si;
-use tribochaos::machine::{Scale, SiQuantity};
+use tribochaos::machine::{Machine, Scale, SiQuantity};
 use tribochaos::measurement::{Contact, Measurement};
-use tribochaos::parameters::Parameter;
 
 /// A dimensionless value in SI units, to stand behind it: ` (35.06 MPa)`; nothing without a machine.
 pub fn behind(at: &Fixed, value: f64, scale: Scale) -> String {
@@ -41,7 +40,7 @@ pub fn contact(at: &Fixed, contact: &Contact) -> Value {
 pub fn measurement(at: &Fixed, m: &Measurement) -> Value {
     let mut object = contact(at, &m.contact);
     if let Some(machine) = at.machine() {
-        let frequency = machine.value(SiQuantity::ShaftSpeedFrequency) / TAU;
+        let frequency = forcing_frequency(machine);
         object["lyapunov_per_s"] = (m.lyapunov / machine.scales().time).into();
         object["forcing_frequency_hz"] = frequency.into();
         object["motion_frequency_hz"] = m.period.map(|period| frequency / f64::from(period)).into();
@@ -58,13 +57,15 @@ pub fn beyond(at: &Fixed, contact: &Contact) -> Vec<String> {
     beyond.iter().map(|beyond| format!("fiction: {beyond}")).collect()
 }
 
-/// Where the fixed parameters and scales of a machine are printed.
-pub fn period_frequency(at: &Fixed, period: Option<u32>) -> String {
+/// The frequency of a motion with a period in forcing periods, to stand behind it: ` (9.39 Hz)`; nothing without a machine.
+pub fn frequency_behind(at: &Fixed, period: Option<u32>) -> String {
     match (at.machine(), period) {
-        (Some(machine), Some(period)) => {
-            let forcing = at[Parameter::Omega0] / machine.scales().time / TAU;
-            format!(" ({})", si(forcing / f64::from(period), "Hz"))
-        }
+        (Some(machine), Some(period)) => format!(" ({})", si(forcing_frequency(machine) / f64::from(period), "Hz")),
         _ => String::new(),
     }
+}
+
+/// In Hz.
+fn forcing_frequency(machine: &Machine) -> f64 {
+    machine.value(SiQuantity::ShaftSpeedFrequency) / TAU
 }

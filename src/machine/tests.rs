@@ -360,6 +360,28 @@ fn bad_machines_are_refused_with_a_reason() {
     assert!(error.to_string().contains("per metre of contact length"));
 }
 
+/// gamma without wear is the Grueneisen parameter, which is of order 1 for any metal: a wrong power of ten would show.
+#[test]
+fn every_material_makes_a_machine_with_a_grueneisen_parameter_of_a_metal() {
+    for material in MATERIALS {
+        let toml = TEMPLATE.replace("paper_steel", material.name);
+        let machine = Description::from_toml(&toml).unwrap().complete(&[]).unwrap();
+        machine.check().unwrap();
+        let gamma = of(&machine)[Parameter::Gamma];
+        assert!((0.5..2.5).contains(&gamma), "{}: {gamma}", material.name);
+        let warnings = plausibility_warnings(&[machine]).join("\n");
+        for quantity in CONSTANTS {
+            assert!(!warnings.contains(quantity.name()), "{warnings}");
+        }
+        assert!(material.melting_point > 800.0 && material.yield_strength > 5e7 && !material.source.is_empty());
+        assert_eq!(Material::from_name(material.name), Some(material));
+    }
+    // the constants go over the material's
+    let toml = TEMPLATE.replace("# youngs_modulus = 190e9", "youngs_modulus = 95e9");
+    let softer = Description::from_toml(&toml).unwrap().complete(&[]).unwrap();
+    assert!((of(&softer)[Parameter::Gamma] / of(&template())[Parameter::Gamma] - 0.5).abs() < 1e-12);
+}
+
 #[test]
 fn no_heat_and_no_wear_are_exact() {
     let parameters = of(&changed(&[(Q::WearEnergyShare, 1.0), (Q::WearCoefficient, 0.0)]));
