@@ -11,13 +11,12 @@ data = xr.open_zarr(sys.argv[1], consolidated=False)
 
 assert dict(data.sizes) == {"damping": 2, "interference": 3}, data.sizes
 assert set(data.coords) == {"damping", "interference"}, data.coords
-# 23 quantities and 4 scales
-assert len(data.data_vars) == 27, list(data.data_vars)
 np.testing.assert_array_equal(data.damping, [0, 778])
 assert data.damping.attrs["units"] == "N s/m²" and data.interference.attrs["units"] == "m"
 assert "[machine]" in data.attrs["experiment"]
 
 units = {"time_scale": "s", "temperature_scale": "K", "pressure_scale": "Pa", "length_scale": "m"}
+assert set(units) <= set(data.data_vars), list(data.data_vars)
 for name, unit in units.items():
     assert data[name].dims == ("damping", "interference") and data[name].attrs["units"] == unit
     assert np.isfinite(data[name]).all()
