@@ -1,7 +1,7 @@
 """The paper's scheme in numba as most people write it.
 
-RK4 at 628 steps a period, one instance after the other, the equations as they stand in the paper: a
-sine in the right-hand side, branches in the friction, the tangent vector renormalised after each step.
+RK4 at 628 steps a period, one instance after the other, the equations as they stand in the paper:
+sines in every step, branches in the friction, the tangent vector renormalised after each step.
 """
 
 import math
@@ -13,7 +13,7 @@ import work
 
 
 def compile_kernel(precision):
-    """The function that integrates instances: the same for the motion alone and with the tangent."""
+    """The function that integrates instances, with the tangent or without."""
     number = np.float64 if precision == "f64" else np.float32
     steps = work.STEPS
     h = number(work.PERIOD / steps)
@@ -39,18 +39,17 @@ def compile_kernel(precision):
         return f0 * s - alpha + three * beta * v**2
 
     @numba.njit(fastmath=True)
-    def sliding(tau, y, zeta_k):
-        return omega_k + zeta_k * math.sin(omega_0 * tau) - y
+    def shaft(tau, zeta_k):
+        return omega_k + zeta_k * math.sin(omega_0 * tau)
 
     @numba.njit(fastmath=True)
-    def motion(tau, x, y, zeta_k, h1):
-        v = sliding(tau, y, zeta_k)
-        return y, x - b * x**3 + eps * friction(v) - eps * h1 * y
+    def motion(speed, x, y, h1):
+        return y, x - b * x**3 + eps * friction(speed - y) - eps * h1 * y
 
     @numba.njit(fastmath=True)
-    def variation(tau, x, y, u, w, zeta_k, h1):
-        v = sliding(tau, y, zeta_k)
-        return w, (one - three * b * x**2) * u - (eps * friction_slope(v) + eps * h1) * w
+    def variation(speed, x, y, u, w, h1):
+        slope = friction_slope(speed - y)
+        return w, (one - three * b * x**2) * u - (eps * slope + eps * h1) * w
 
     @numba.njit(fastmath=True)
     def integrate(zeta_ks, h1s, xs, ys, periods, with_tangent, growths):
@@ -60,23 +59,24 @@ def compile_kernel(precision):
             for _ in range(periods):
                 for k in range(steps):
                     tau = number(k) * h
-                    middle = tau + half * h
-                    end = tau + h
-                    a1, b1 = motion(tau, x, y, zeta_k, h1)
+                    start = shaft(tau, zeta_k)
+                    middle = shaft(tau + half * h, zeta_k)
+                    end = shaft(tau + h, zeta_k)
+                    a1, b1 = motion(start, x, y, h1)
                     x2, y2 = x + half * h * a1, y + half * h * b1
-                    a2, b2 = motion(middle, x2, y2, zeta_k, h1)
+                    a2, b2 = motion(middle, x2, y2, h1)
                     x3, y3 = x + half * h * a2, y + half * h * b2
-                    a3, b3 = motion(middle, x3, y3, zeta_k, h1)
+                    a3, b3 = motion(middle, x3, y3, h1)
                     x4, y4 = x + h * a3, y + h * b3
-                    a4, b4 = motion(end, x4, y4, zeta_k, h1)
+                    a4, b4 = motion(end, x4, y4, h1)
                     if with_tangent:
-                        c1, d1 = variation(tau, x, y, u, w, zeta_k, h1)
+                        c1, d1 = variation(start, x, y, u, w, h1)
                         u2, w2 = u + half * h * c1, w + half * h * d1
-                        c2, d2 = variation(middle, x2, y2, u2, w2, zeta_k, h1)
+                        c2, d2 = variation(middle, x2, y2, u2, w2, h1)
                         u3, w3 = u + half * h * c2, w + half * h * d2
-                        c3, d3 = variation(middle, x3, y3, u3, w3, zeta_k, h1)
+                        c3, d3 = variation(middle, x3, y3, u3, w3, h1)
                         u4, w4 = u + h * c3, w + h * d3
-                        c4, d4 = variation(end, x4, y4, u4, w4, zeta_k, h1)
+                        c4, d4 = variation(end, x4, y4, u4, w4, h1)
                         u += h / six * (c1 + two * c2 + two * c3 + c4)
                         w += h / six * (d1 + two * d2 + two * d3 + d4)
                         norm = math.sqrt(u * u + w * w)
@@ -124,7 +124,13 @@ def main():
     alone, tangent = zip(*timings)
     _, exponents = plain.run(*work.points(), work.PERIODS_ALONE, work.PERIODS_TANGENT)
     work.report(
-        "numba plain", options, alone, tangent, exponents, ("numba", "numpy"), instances=part[0].size
+        "numba plain",
+        options,
+        alone,
+        tangent,
+        exponents,
+        ("numba", "numpy"),
+        instances=part[0].size,
     )
 
 

@@ -10,8 +10,9 @@ with its tangent
     X' = Y
     Y' = (1 - 3 b x^2) X - (eps F'(v) + eps h1) Y
 
-over 64 x 64 values of zeta_k and h1, from x = 0.1, y = 0: 100 forcing periods of the motion alone, then
-100 with one tangent vector, from (1, 0). The maximal exponent is the vector's growth over these 100.
+over 64 x 64 values of zeta_k and h1, from x = 0.1, y = 0: 100 forcing periods of the motion alone,
+then 100 with one tangent vector, from (1, 0). The maximal exponent is the vector's growth over
+these 100.
 """
 
 import argparse
@@ -79,6 +80,15 @@ def drive_table(steps=STEPS):
     return np.sin(2 * np.pi * np.arange(2 * steps + 1) / (2 * steps))
 
 
+def error_quantiles(errors):
+    """Median and 90 % of what `errors` returns; nothing where it lacks a package."""
+    try:
+        median, most = np.quantile(errors(), (0.5, 0.9))
+    except ImportError:
+        return {}
+    return {"exponent_error_median": float(median), "exponent_error_p90": float(most)}
+
+
 def cpu_name():
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as lines:
@@ -108,17 +118,18 @@ def pin(core):
 
 
 class Stopwatch:
-    """Processor time of this process: what other processes take of a shared core does not count."""
+    """Adds up time: by default the process's own, without what other processes take of its core."""
 
-    def __init__(self):
+    def __init__(self, clock=time.process_time):
         self.seconds = 0.0
+        self._clock = clock
 
     def __enter__(self):
-        self._start = time.process_time()
+        self._start = self._clock()
         return self
 
     def __exit__(self, *_):
-        self.seconds += time.process_time() - self._start
+        self.seconds += self._clock() - self._start
 
     def ns(self, instances, periods):
         """ns for one forcing period of one instance."""
@@ -131,7 +142,9 @@ def arguments(description, rounds=5, instances=None, precision=True):
         description=description, formatter_class=argparse.ArgumentDefaultsHelpFormatter
     )
     if precision:
-        parser.add_argument("--precision", choices=("f64", "f32"), default="f64", help="number type")
+        parser.add_argument(
+            "--precision", choices=("f64", "f32"), default="f64", help="number type"
+        )
     if instances:
         parser.add_argument(
             "--instances", type=int, default=instances, help="instances of the grid that are timed"
@@ -166,8 +179,11 @@ def report(program, options, alone, tangent, exponents, packages, **more):
     if options.json:
         print(json.dumps(result, indent=2))
         return
-    print(f"{program}, {result['precision']}; {result['date']}, {result['cpu']}, {result['versions']}")
+    print(
+        f"{program}, {result['precision']}; {result['date']}, {result['cpu']}, {result['versions']}"
+    )
     for key, value in more.items():
+        value = f"{value:.2g}" if isinstance(value, float) else value
         print(f"  {key.replace('_', ' ')}: {value}")
     print("ns for one forcing period of one instance, on one core:")
     print(f"  motion alone     {result['ns_motion_alone']:10.0f}")
