@@ -5,9 +5,10 @@
 use std::fmt::Write as _;
 
 use super::layout;
-use crate::dynamics::adaptive::{
-    AIM, CUT, PASS_BUDGET, PRESSURE_BOUND, PRESSURE_FLOOR, REACHED, REJECTED, SHORTEST_STEP, TICKS,
-};
+use crate::dynamics::adaptive::events::{AIM, CUT, REACHED};
+use crate::dynamics::adaptive::orbit::PASS_BUDGET;
+use crate::dynamics::adaptive::pass::{PRESSURE_FLOOR, REJECTED, SHORTEST_STEP};
+use crate::dynamics::adaptive::{PRESSURE_BOUND, TICKS};
 use crate::dynamics::radau::{ERROR_WEIGHT, MAX_ITERATIONS, NEWTON_TOLERANCE};
 use crate::dynamics::stroboscope::MAX_PERIOD;
 use crate::dynamics::tangent::SMALLEST_SQUARE;
@@ -33,6 +34,11 @@ pieces! {
     "dynamics/dense.wgsl"
     "dynamics/radau.wgsl"
     "dynamics/adaptive.wgsl"
+    "dynamics/adaptive/events.wgsl"
+    "dynamics/adaptive/kept.wgsl"
+    "dynamics/adaptive/tangent.wgsl"
+    "dynamics/adaptive/pass.wgsl"
+    "dynamics/adaptive/orbit.wgsl"
     "dynamics/stroboscope.wgsl"
     "kernels/advance_rubbed.wgsl"
 }

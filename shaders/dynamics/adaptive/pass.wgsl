@@ -1,0 +1,134 @@
+// A pass: one step tried, and kept where it is good. Twin: src/dynamics/adaptive/pass.rs.
+
+// Shortest step, in ticks.
+override SHORTEST_STEP: f32;
+
+// Pressure beyond which the contact has run away.
+override PRESSURE_BOUND: f32;
+
+// A trial with an error above this many tolerances is tried again.
+override PRESSURE_FLOOR: f32;
+override REJECTED: f32;
+
+// Error of a trial in tolerances, and the factor by which the next step is longer.
+struct TrialError {
+    in_tolerances: f32,
+    growth: f32,
+}
+
+// sin and 1 - cos of an angle.
+struct Rotation {
+    sine: f32,
+    versine: f32,
+}
+
+// Tries one step; `carries` tells whether a tangent vector is carried along.
+fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
+    let rubbing = system.rubbing;
+    let ticks = min(u32((*orbit).step), (*orbit).left);
+    let length = f32(ticks);
+    let h = length * system.tick;
+
+    let elapsed = f32(TICKS - (*orbit).left) * system.tick;
+    let start = begin(orbit, system);
+    let drive = orbit_drive(orbit, system, length, h, elapsed);
+    let memory = memory_new(h);
+    let time = vec3(NODE_0, NODE_1, 1.0) * h + (*orbit).since;
+    let guess = fma(fma(vec3((*orbit).guess_2), time, vec3((*orbit).guess_1)), time, vec3((*orbit).guess_0));
+    let trial = solve(rubbing, start, drive, memory, guess);
+
+    // what the trial calls for: a part of itself, if it is to be tried again
+    let error = trial_error(orbit, rubbing, start, trial, h);
+    let cut = orbit_cut(orbit, rubbing, start, trial);
+    let kept = cut.stays && trial.converged && is_below(error.in_tolerances, REJECTED);
+    // whatever has converged guesses the next; what has not is forgotten
+    (*orbit).guess_0 = start.acceleration;
+    (*orbit).guess_1 = 0.0;
+    (*orbit).guess_2 = 0.0;
+    (*orbit).since = 0.0;
+    var next = 0.25 * length;
+    if (trial.converged) {
+        let inverse_h = 1.0 / h;
+        let curve = parabola(trial.acceleration);
+        (*orbit).guess_0 = curve[0];
+        (*orbit).guess_1 = curve[1] * inverse_h;
+        (*orbit).guess_2 = curve[2] * inverse_h * inverse_h;
+        // a cut is exact enough only where the trial is
+        next = length * select(min(error.growth, 0.9), cut.part, cut.part < 1.0);
+    }
+    if (kept) {
+        (*orbit).since = h;
+        if (carries && ((*orbit).lost_periods < 0.0 || system.lasts)) {
+            carry(orbit, system, start, trial, memory, h);
+        }
+        keep(orbit, system, start, drive, trial, memory, h, elapsed);
+        (*orbit).left -= ticks;
+    }
+
+    let moved = orbit_switch(orbit, rubbing, start, trial);
+    if (kept) {
+        // a step cut short by the end of the period says nothing of the next one
+        let free = select(length * error.growth, (*orbit).step, length < (*orbit).step);
+        next = select(free, length * moved, 0.0 < moved);
+    }
+    (*orbit).step = f32(u32(clamp(next, 0.0, run.longest)));
+    give_up(orbit);
+}
+
+// Shaft speed and fit over a step of `h`: growth since its start, at the nodes. Growth, not values, so that the digits
+// of v are kept.
+fn orbit_drive(orbit: ptr<function, Orbit>, system: System, ticks: f32, h: f32, elapsed: f32) -> Drive {
+    let angle = ticks * (TAU / f32(TICKS));
+    let first = rotation(angle * NODE_0);
+    let second = rotation(angle * NODE_1);
+    let last = rotation(angle);
+    let sines = vec3(first.sine, second.sine, last.sine);
+    let versines = vec3(first.versine, second.versine, last.versine);
+    let speed = system.rubbing.zeta_k * ((*orbit).cosine * sines - (*orbit).sine * versines);
+    var growth = vec3(0.0);
+    if (system.rubbing.ramp_rate < LARGEST) {
+        let now = fma((*orbit).periods, system.period, elapsed);
+        growth = vec3(fit(system, fma(NODE_0, h, now)), fit(system, fma(NODE_1, h, now)), fit(system, now + h))
+            - fit(system, now);
+    }
+    return Drive(h, speed, growth);
+}
+
+fn trial_error(orbit: ptr<function, Orbit>, rubbing: Rubbing, start: Start, trial: Trial, h: f32) -> TrialError {
+    // the quadratics extrapolated to the start miss the values there; a stiff motion forgets the error
+    let unforgotten = h * ERROR_WEIGHT;
+    let rate = fma(rubbing.epsilon * start.pressure, friction_slope(rubbing, (*orbit).v), rubbing.damping);
+    let weight = unforgotten / fma(unforgotten, max(rate, 0.0), 1.0);
+    let inside = abs((*orbit).piece - 1.5) < 1.0;
+    let scale = select(1.0, min(rubbing.epsilon_0, 1.0), inside);
+    let motion = abs(start.acceleration - parabola(trial.acceleration)[0]) * weight / scale;
+    let missed = abs(start.flux - parabola(trial.flux)[0]);
+    let heat = missed * weight * rubbing.two_gamma / (abs(start.pressure) + PRESSURE_FLOOR);
+    let error = max(motion, heat) / run.tolerance;
+    // the estimate is of order 3: its error grows with the fourth power of the step
+    let growth = 0.9 / sqrt(sqrt(max(error, 1e-12)));
+    return TrialError(error, clamp(growth, 0.2, 3.0));
+}
+
+// Gives the orbit up if its step has become too short or its state is no longer a number of this world.
+fn give_up(orbit: ptr<function, Orbit>) {
+    if (!is_below(abs((*orbit).heat_pressure), PRESSURE_BOUND)) {
+        (*orbit).runaway = 1u;
+        (*orbit).left = 0u;
+    } else if ((*orbit).step <= SHORTEST_STEP) {
+        (*orbit).under_resolved = 1u;
+        (*orbit).left = 0u;
+    }
+}
+
+// sin and 1 - cos of an angle of 0 to 2 pi/16, by their series: no digits are lost in either.
+fn rotation(angle: f32) -> Rotation {
+    let square = angle * angle;
+    var sine = fma(square, -1.0 / 42.0, 1.0);
+    sine = fma(square * (-1.0 / 20.0), sine, 1.0);
+    sine = fma(square * (-1.0 / 6.0), sine, 1.0);
+    var versine = fma(square, -1.0 / 56.0, 1.0);
+    versine = fma(square * (-1.0 / 30.0), versine, 1.0);
+    versine = fma(square * (-1.0 / 12.0), versine, 1.0);
+    return Rotation(angle * sine, square * 0.5 * versine);
+}

@@ -1,0 +1,63 @@
+// The tangent vector of the full state. Twin: src/dynamics/adaptive/tangent.rs.
+
+// Smallest squared norm, in the range of normal numbers.
+override SMALLEST_SQUARE: f32;
+
+// Divides the tangent vector by its norm and returns the norm. It is that of (X, Y) where there is wear, and else that of
+// (X, Y) and the heat modes, these in units of the pressure that they make (none where they feed nothing back).
+fn normalise(orbit: ptr<function, Orbit>, system: System) -> f32 {
+    let with_heat = select(0.0, 1.0, system.lasts);
+    var square = fma((*orbit).tangent_x, (*orbit).tangent_x, (*orbit).tangent_v * (*orbit).tangent_v);
+    for (var m = 0u; m < HEAT_MODES; m++) {
+        let pressure = with_heat * tangent_modes[m] * weights[m];
+        square = fma(pressure, pressure, square);
+    }
+    let norm = sqrt(select(square, SMALLEST_SQUARE, square < SMALLEST_SQUARE));
+    let inverse = 1.0 / norm;
+    (*orbit).tangent_x *= inverse;
+    (*orbit).tangent_v *= inverse;
+    (*orbit).tangent_fit *= inverse;
+    (*orbit).tangent_pressure *= inverse;
+    (*orbit).tangent_falloff *= inverse;
+    (*orbit).tangent_flux *= inverse;
+    for (var m = 0u; m < HEAT_MODES; m++) {
+        tangent_modes[m] *= inverse;
+    }
+    return norm;
+}
+
+// Carries the tangent vector over a kept step.
+fn carry(
+    orbit: ptr<function, Orbit>,
+    system: System,
+    start: Start,
+    trial: Trial,
+    memory: Memory,
+    h: f32,
+) {
+    var free: Heat;
+    for (var m = 0u; m < HEAT_MODES; m++) {
+        let left = weights[m] * steps[m].factor * tangent_modes[m];
+        free.pressure += left;
+        free.falloff = fma(rates[m], left, free.falloff);
+    }
+    let at = Perturbation(
+        (*orbit).tangent_x,
+        (*orbit).tangent_v,
+        (*orbit).tangent_fit,
+        Heat((*orbit).tangent_pressure, (*orbit).tangent_falloff),
+        (*orbit).tangent_flux,
+    );
+    let perturbed_memory = Memory(free, memory.pressure, memory.falloff);
+    let after = perturbed(trial, system.rubbing, start, h, perturbed_memory, at);
+    let flux = parabola(after.flux) * h;
+    for (var m = 0u; m < HEAT_MODES; m++) {
+        tangent_modes[m] = advanced(steps[m], tangent_modes[m], flux);
+    }
+    (*orbit).tangent_x = after.end.x;
+    (*orbit).tangent_v = after.end.v;
+    (*orbit).tangent_fit = after.end.fit;
+    (*orbit).tangent_pressure = after.end.heat.pressure;
+    (*orbit).tangent_falloff = after.end.heat.falloff;
+    (*orbit).tangent_flux = after.end.flux;
+}

@@ -1,0 +1,126 @@
+//! Where steps end: at the boundaries of the friction layer, and where contact is lost or comes back.
+//!
+//! Owns the search for these ends and the passage to the next piece of the friction law; takes no steps. Twin:
+//! `shaders/dynamics/adaptive/events.wgsl`.
+
+use super::Orbit;
+use crate::dynamics::decay::single;
+use crate::dynamics::dense::Cubic;
+use crate::dynamics::matrix::at_nodes;
+use crate::dynamics::radau::{NODES, Start, Trial};
+use crate::lanes::{Mask, Real};
+use crate::model::rubbing::Rubbing;
+
+/// Near a boundary of the friction layer, in half-widths of the layer: how far beyond it a step is cut, how far beyond
+/// the cut aims, and from how far before it a lane that is on its way out is taken to have reached the next piece. Between
+/// these a lane may turn without chatter, and the tangent misses no more of the layer than that.
+pub const CUT: f64 = 2e-3;
+pub const AIM: f64 = 5e-4;
+pub const REACHED: f64 = 5e-4;
+
+/// Bounds of a sliding velocity that meets no boundary.
+const FAR: f64 = 1e30;
+
+impl<R: Real> Orbit<R> {
+    #[inline(always)]
+    pub(super) fn piece_of(&self, rubbing: &Rubbing<R>) -> R {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        R::select((-rubbing.epsilon_0).less(self.v), one, zero)
+            + R::select(zero.less(self.v), one, zero)
+            + R::select(rubbing.epsilon_0.less(self.v), one, zero)
+    }
+
+    /// Whether the trial stays on its piece of the friction law and in its state of contact; else the part of it that
+    /// does.
+    #[inline(always)]
+    pub(super) fn cut(&self, rubbing: &Rubbing<R>, start: &Start<R>, trial: &Trial<R>) -> (R, R::Mask) {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let mut part = one;
+        let mut stays = running_mask::<R>();
+
+        let [low, high] = self.bounds(rubbing);
+        let margin = R::splat(CUT) * rubbing.epsilon_0;
+        let (lowest, highest) = (low - margin, high + margin);
+        let [first, second, last] = at_nodes!(i => lowest.less(trial.v[i]).and(trial.v[i].less(highest)));
+        let inside = first.and(second).and(last);
+        if !inside.all() {
+            let aim = R::splat(AIM) * rubbing.epsilon_0;
+            let cubic = Cubic::new(start.v, trial.v);
+            // the first node beyond, and the one before it
+            let from = R::select(first, R::select(second, R::splat(NODES[1]), R::splat(NODES[0])), zero);
+            let to = R::select(first, R::select(second, one, R::splat(NODES[1])), R::splat(NODES[0]));
+            let v = R::select(first, R::select(second, trial.v[2], trial.v[1]), trial.v[0]);
+            let level = R::select(v.less(low), low - aim, high + aim);
+            let crossing = cubic.crossing(level, from, to).max(R::splat(1e-3));
+            part = R::select(inside, one, crossing);
+            stays = stays.and(inside);
+        }
+
+        // p in contact, and minus what it would be in the gap: falls below 0 where contact changes
+        let gap = self.contact.less(R::splat(0.5));
+        let signals = at_nodes!(i => R::select(gap, -trial.if_closed[i], trial.pressure[i]));
+        let allowed = -contact_tolerance(self.fit);
+        let [first, second, last] = at_nodes!(i => allowed.less(signals[i]));
+        let lasts = first.and(second).and(last);
+        if !lasts.all() {
+            let before = R::select(gap, -(self.fit + self.heat.pressure), start.pressure);
+            let cubic = Cubic::new(before, signals);
+            let from = R::select(first, R::select(second, R::splat(NODES[1]), R::splat(NODES[0])), zero);
+            let to = R::select(first, R::select(second, one, R::splat(NODES[1])), R::splat(NODES[0]));
+            let aim = allowed * R::splat(0.5);
+            let crossing = cubic.crossing(aim, from, to).max(R::splat(1e-3));
+            part = part.min(R::select(lasts, one, crossing));
+            stays = stays.and(lasts);
+        }
+        (part, stays)
+    }
+
+    /// The piece of the friction law that v is on; in the gap there is none.
+    #[inline(always)]
+    fn bounds(&self, rubbing: &Rubbing<R>) -> [R; 2] {
+        let (half, far) = (R::splat(0.5), R::splat(FAR));
+        let gap = self.contact.less(half);
+        let lowest = gap.or(self.piece.less(half));
+        let highest = gap.or(R::splat(2.5).less(self.piece));
+        let low = (self.piece - R::splat(2.0)) * rubbing.epsilon_0;
+        [
+            R::select(lowest, -far, low),
+            R::select(highest, far, low + rubbing.epsilon_0),
+        ]
+    }
+
+    /// Moves a lane to the piece that it has reached; returns the factor for its next step, 0 where it has not moved.
+    #[inline(always)]
+    pub(super) fn switch(&mut self, rubbing: &Rubbing<R>, start: &Start<R>, trial: &Trial<R>) -> R {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let [low, high] = self.bounds(rubbing);
+        let reached = R::splat(REACHED) * rubbing.epsilon_0;
+        let up = (high - reached).less(self.v).and(start.v.less(self.v));
+        let down = self.v.less(low + reached).and(self.v.less(start.v));
+        let moved = up.or(down);
+        if R::select(moved, one, zero).less(R::splat(0.5)).all() {
+            return zero;
+        }
+        self.piece = R::select(up, self.piece + one, R::select(down, self.piece - one, self.piece));
+        // entering the layer, the next boundary is a layer's half-width away at most; leaving it, what limited the step
+        // is gone
+        let inside = (self.piece - R::splat(1.5)).abs().less(one);
+        // v' through the last two nodes is good enough for the length of a step
+        let slid = (trial.v[2] - trial.v[1]).abs().max(R::splat(1e-20)) * R::splat(1.0 / (1.0 - NODES[1]));
+        let entering = (R::splat(1.1) * rubbing.epsilon_0 / slid).min(R::splat(64.0));
+        R::select(moved, R::select(inside, entering, R::splat(4.0)), zero)
+    }
+}
+
+/// All lanes true.
+#[inline(always)]
+fn running_mask<R: Real>() -> R::Mask {
+    R::splat(0.0).less(R::splat(1.0))
+}
+
+/// How far below zero a pressure counts as zero: p is a difference of numbers of the size of the worn depth.
+#[inline(always)]
+fn contact_tolerance<R: Real>(fit: R) -> R {
+    let unit = if single::<R>() { 4e-6 } else { 1e-6 };
+    R::splat(unit) * (fit.abs() + R::splat(1.0))
+}

@@ -1,0 +1,177 @@
+//! The state of an instance, and how it is followed over forcing periods.
+//!
+//! Owns the clock: where the lanes meet, and the passes that they may take until then. Twin:
+//! `shaders/dynamics/adaptive/orbit.wgsl`; loops over periods are the kernel's there.
+
+use super::pass::FIRST_STEP;
+use super::{Control, Peaks, System, TICKS, Tangent};
+use crate::dynamics::radau::{Heat, ModeStep, Start};
+use crate::lanes::{Mask, Real, Ticks};
+
+/// Passes that a period may take: beyond, it is under-resolved.
+pub const PASS_BUDGET: u32 = 20_000;
+
+/// State of an instance.
+#[derive(Clone, Debug)]
+pub struct Orbit<R: Real> {
+    pub x: R,
+    /// Sliding velocity (shaft speed) - y.
+    pub v: R,
+    /// h_U - u_w.
+    pub fit: R,
+    pub modes: Vec<R>,
+    pub(super) heat: Heat<R>,
+    /// 1 in contact, 0 in the gap.
+    pub contact: R,
+    /// Drive phase: its sine and cosine, and the ticks left to where the lanes meet.
+    pub(super) sin: R,
+    pub(super) cos: R,
+    pub(super) left: R::Ticks,
+    /// The tick of the period that the lanes are on their way to, or at.
+    pub(super) to: u32,
+    /// Completed periods.
+    pub periods: R,
+    /// Length of the next step, in ticks.
+    pub step: R,
+    /// Piece of the friction law: 0 below the layer, 1 and 2 its halves, 3 above.
+    pub piece: R,
+    /// Acceleration as a quadratic in time around the last trial's start, and the time since then: guesses the next.
+    pub guess: [R; 3],
+    pub since: R,
+    /// Least and greatest x since they were last set.
+    pub extremes: [R; 2],
+    /// 1 in lanes that have been given up: because they needed too many or too short steps, or because the pressure ran
+    /// away.
+    pub under_resolved: R,
+    pub runaway: R,
+}
+
+/// Room for what a pass knows of each mode.
+pub type Scratch<R> = Vec<ModeStep<R>>;
+
+impl<R: Real> Orbit<R> {
+    /// The state at the start of a run, from (x, y).
+    pub fn start(system: &System<R>, x: R, y: R) -> Self {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let mut orbit = Self {
+            x,
+            v: system.rubbing.omega_k - y,
+            fit: system.fit(zero),
+            modes: vec![zero; system.rates.len()],
+            heat: Heat {
+                pressure: zero,
+                falloff: zero,
+            },
+            contact: one,
+            sin: zero,
+            cos: one,
+            left: R::Ticks::splat(0),
+            to: 0,
+            periods: zero,
+            step: R::splat(f64::from(FIRST_STEP)),
+            piece: zero,
+            guess: [zero; 3],
+            since: zero,
+            extremes: [x; 2],
+            under_resolved: zero,
+            runaway: zero,
+        };
+        orbit.piece = orbit.piece_of(&system.rubbing);
+        orbit.guess[0] = orbit.begin(system).acceleration;
+        orbit
+    }
+
+    #[inline(always)]
+    pub(super) fn begin(&self, system: &System<R>) -> Start<R> {
+        let speed = system.rubbing.zeta_k.mul_add(self.sin, system.rubbing.omega_k);
+        Start::new(
+            &system.rubbing,
+            self.x,
+            self.v,
+            speed,
+            self.fit,
+            self.heat,
+            self.contact,
+        )
+    }
+
+    /// Time since the start of the run.
+    pub fn time(&self, system: &System<R>) -> R {
+        self.periods
+            .mul_add(system.period, R::splat(f64::from(self.to)) * system.tick)
+    }
+
+    /// u_w.
+    pub fn wear(&self, system: &System<R>) -> R {
+        system.fit(self.time(system)) - self.fit
+    }
+
+    /// p, 0 in the gap.
+    pub fn pressure(&self) -> R {
+        self.contact * (self.fit + self.heat.pressure)
+    }
+
+    /// theta(1), the temperature of the shaft's surface.
+    pub fn surface_temperature(&self, system: &System<R>) -> R {
+        self.heat.falloff * system.surface_temperature
+    }
+
+    /// Angular speed of the bush.
+    #[inline(always)]
+    pub fn y(&self, system: &System<R>) -> R {
+        system.rubbing.zeta_k.mul_add(self.sin, system.rubbing.omega_k) - self.v
+    }
+
+    /// One forcing period; a tangent vector is carried along if there is one.
+    #[inline(always)]
+    pub fn period(
+        &mut self,
+        system: &System<R>,
+        control: &Control<R>,
+        peaks: &mut Peaks<R>,
+        tangent: Option<&mut Tangent<R>>,
+        scratch: &mut Scratch<R>,
+    ) {
+        self.part_of_period(system, control, peaks, tangent, scratch, 0, 1);
+    }
+
+    /// Part `part` of `parts` equal parts of a forcing period, which follow one another from 0 on.
+    #[allow(clippy::too_many_arguments, reason = "what a step needs, and where it ends")]
+    #[inline(always)]
+    pub fn part_of_period(
+        &mut self,
+        system: &System<R>,
+        control: &Control<R>,
+        peaks: &mut Peaks<R>,
+        mut tangent: Option<&mut Tangent<R>>,
+        scratch: &mut Scratch<R>,
+        part: u32,
+        parts: u32,
+    ) {
+        let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
+        if part == 0 {
+            // the drive's phase is 0 exactly: rounding does not grow from period to period
+            self.sin = zero;
+            self.cos = one;
+        }
+        let ticks = |parts_done: u32| (u64::from(TICKS) * u64::from(parts_done) / u64::from(parts)) as u32;
+        let (from, to) = (ticks(part), ticks(part + 1));
+        let alive = self.under_resolved.less(half).and(self.runaway.less(half));
+        self.left = R::select(alive, R::splat(f64::from(to - from)), zero).to_ticks();
+        self.to = to;
+        let mut passes = 0;
+        while !self.left.all_zero() {
+            self.pass(system, control, peaks, tangent.as_deref_mut(), scratch);
+            passes += 1;
+            if passes == PASS_BUDGET {
+                let unfinished = R::splat(0.5).less(R::from_ticks(self.left));
+                self.under_resolved = R::select(unfinished, R::splat(1.0), self.under_resolved);
+                self.left = R::Ticks::splat(0);
+            }
+        }
+        if part + 1 == parts {
+            self.periods = self.periods + one;
+            self.to = 0;
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! A pass: one step tried in every lane, kept where it is good.
+//!
+//! Owns the error control, the drive over a step, and which lanes are given up. Twin:
+//! `shaders/dynamics/adaptive/pass.wgsl`.
+
+#![allow(
+    clippy::needless_range_loop,
+    reason = "arrays are walked side by side: indices say so best"
+)]
+
+use std::f64::consts::TAU;
+
+use super::{Control, Orbit, PRESSURE_BOUND, Peaks, Scratch, System, TICKS, Tangent};
+use crate::dynamics::decay::single;
+use crate::dynamics::matrix::at_nodes;
+use crate::dynamics::radau::{self, Drive, ERROR_WEIGHT, Memory, NODES, Start, Trial};
+use crate::lanes::{Mask, Real, Ticks};
+use crate::model::rubbing::Rubbing;
+
+/// Shortest step, in ticks.
+pub const SHORTEST_STEP: u32 = 2;
+
+/// The first step of a run.
+pub const FIRST_STEP: u32 = TICKS / 4096;
+
+/// The error of the pressure is relative down to this pressure, and absolute below: what grows from near 0 by its own heat,
+/// as with a ramp, keeps its relative errors.
+pub const PRESSURE_FLOOR: f64 = 1e-2;
+
+/// A trial with an error above this many tolerances is tried again.
+pub const REJECTED: f64 = 1.5;
+
+impl<R: Real> Orbit<R> {
+    /// Tries one step in every lane.
+    #[inline(always)]
+    pub(super) fn pass(
+        &mut self,
+        system: &System<R>,
+        control: &Control<R>,
+        peaks: &mut Peaks<R>,
+        tangent: Option<&mut Tangent<R>>,
+        scratch: &mut Scratch<R>,
+    ) {
+        let rubbing = &system.rubbing;
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let left = R::from_ticks(self.left);
+        let running = R::splat(0.5).less(left);
+        // lanes that wait for others try something harmless
+        let ticks = R::from_ticks(self.step.to_ticks().least(self.left));
+        let ticks = R::select(running, ticks, R::splat(f64::from(FIRST_STEP)));
+        let h = ticks * system.tick;
+
+        let elapsed = (R::splat(f64::from(self.to)) - left) * system.tick;
+        let start = self.begin(system);
+        let drive = self.drive(system, ticks, h, elapsed);
+        let memory = Memory::new(
+            h,
+            &system.rates,
+            &system.inverse_rates,
+            &system.weights,
+            &self.modes,
+            scratch,
+        );
+        let guess = at_nodes!(i => {
+            let time = R::splat(NODES[i]).mul_add(h, self.since);
+            self.guess[2].mul_add(time, self.guess[1]).mul_add(time, self.guess[0])
+        });
+        let trial = radau::solve(rubbing, &start, &drive, &memory, guess);
+
+        // what the trial calls for: a part of itself, if it is to be tried again
+        let (error, growth) = self.error(rubbing, control, &start, &trial, h);
+        let (shorter, kept) = self.cut(rubbing, &start, &trial);
+        let kept = kept.and(trial.converged).and(error.less(R::splat(REJECTED)));
+        let kept = kept.and(running);
+        let again = R::select(
+            trial.converged,
+            // a cut is exact enough only where the trial is
+            R::select(shorter.less(one), shorter, growth.min(R::splat(0.9))),
+            R::splat(0.25),
+        );
+        // whatever has converged guesses the next; what has not is forgotten
+        let parabola = radau::parabola(trial.acceleration);
+        let inverse_h = one / h;
+        self.guess = [
+            R::select(trial.converged, parabola[0], start.acceleration),
+            R::select(trial.converged, parabola[1] * inverse_h, zero),
+            R::select(trial.converged, parabola[2] * inverse_h * inverse_h, zero),
+        ];
+        self.since = R::select(kept, h, zero);
+
+        if let Some(tangent) = tangent {
+            let alive = peaks.lost[0].less(zero).or(zero.less(system.lasts));
+            self.carry(system, &start, &trial, &memory, tangent, scratch, h, kept.and(alive));
+        }
+        self.keep(
+            system, peaks, &start, &drive, &trial, &memory, scratch, h, elapsed, kept,
+        );
+        self.left = self.left.minus(R::select(kept, ticks, zero).to_ticks());
+
+        let moved = self.switch(rubbing, &start, &trial);
+        // a step cut short by the end of the period says nothing of the next one
+        let free = R::select(ticks.less(self.step), self.step, ticks * growth);
+        let next = R::select(kept, R::select(zero.less(moved), ticks * moved, free), ticks * again);
+        let next = R::from_ticks(next.min(control.longest).max(zero).to_ticks());
+        self.step = R::select(running, next, self.step);
+        self.give_up(running);
+    }
+
+    /// Shaft speed and fit over a step of `h`: growth since its start, at the nodes. Growth, not values, so that f32
+    /// keeps the digits of v.
+    #[inline(always)]
+    fn drive(&self, system: &System<R>, ticks: R, h: R, elapsed: R) -> Drive<R> {
+        let mut drive = Drive {
+            h,
+            speed: [R::splat(0.0); 3],
+            fit: [R::splat(0.0); 3],
+        };
+        let angle = ticks * R::splat(TAU / f64::from(TICKS));
+        for i in 0..3 {
+            let (sine, versine) = rotation(angle * R::splat(NODES[i]));
+            drive.speed[i] = system.rubbing.zeta_k * (self.cos * sine - self.sin * versine);
+        }
+        if system.ramps {
+            let now = self.periods.mul_add(system.period, elapsed);
+            let fit = system.fit(now);
+            for i in 0..3 {
+                drive.fit[i] = system.fit(R::splat(NODES[i]).mul_add(h, now)) - fit;
+            }
+        }
+        drive
+    }
+
+    /// Error of a trial in tolerances, and the factor by which the next step is longer.
+    #[inline(always)]
+    fn error(&self, rubbing: &Rubbing<R>, control: &Control<R>, start: &Start<R>, trial: &Trial<R>, h: R) -> (R, R) {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        // the quadratics extrapolated to the start miss the values there; a stiff motion forgets the error
+        let weight = h * R::splat(ERROR_WEIGHT);
+        let rate = (rubbing.epsilon * start.pressure).mul_add(rubbing.friction_slope(self.v), rubbing.damping);
+        let weight = weight / weight.mul_add(rate.max(zero), one);
+        let inside = (self.piece - R::splat(1.5)).abs().less(one);
+        let scale = R::select(inside, rubbing.epsilon_0.min(one), one);
+        let motion = (start.acceleration - radau::parabola(trial.acceleration)[0]).abs() * weight / scale;
+        let heat = (start.flux - radau::parabola(trial.flux)[0]).abs() * weight * rubbing.two_gamma
+            / (start.pressure.abs() + R::splat(PRESSURE_FLOOR));
+        let error = motion.max(heat) / control.tolerance;
+        // the estimate is of order 3: its error grows with the fourth power of the step
+        let growth = R::splat(0.9) / error.max(R::splat(1e-12)).sqrt().sqrt();
+        (error, growth.max(R::splat(0.2)).min(R::splat(3.0)))
+    }
+
+    /// Gives up lanes whose step has become too short or whose state is no longer a number of this world.
+    #[inline(always)]
+    fn give_up(&mut self, running: R::Mask) {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        // written so that NaN is given up
+        let bounded = self.heat.pressure.abs().less(R::splat(PRESSURE_BOUND));
+        let steps = R::splat(f64::from(SHORTEST_STEP)).less(self.step);
+        let fine = bounded.and(steps);
+        if fine.all() {
+            return;
+        }
+        let left = R::from_ticks(self.left);
+        let lost = R::select(running, R::select(fine, zero, one), zero);
+        let ran_away = R::select(bounded, zero, lost);
+        self.runaway = self.runaway.max(ran_away);
+        self.under_resolved = self.under_resolved.max(lost - ran_away);
+        self.left = R::select(lost.less(R::splat(0.5)), left, zero).to_ticks();
+    }
+}
+
+/// sin and 1 - cos of an angle of 0 to 2 pi/16, by their series: no digits are lost in either.
+#[inline(always)]
+pub(super) fn rotation<R: Real>(angle: R) -> (R, R) {
+    let square = angle * angle;
+    let one = R::splat(1.0);
+    let terms = if single::<R>() { 4 } else { 7 };
+    let (mut sine, mut versine) = (one, one);
+    for n in (1..terms).rev() {
+        let k = f64::from(2 * n);
+        sine = (square * R::splat(-1.0 / (k * (k + 1.0)))).mul_add(sine, one);
+        versine = (square * R::splat(-1.0 / ((k + 1.0) * (k + 2.0)))).mul_add(versine, one);
+    }
+    (angle * sine, square * R::splat(0.5) * versine)
+}

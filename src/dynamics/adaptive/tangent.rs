@@ -1,0 +1,114 @@
+//! The tangent vector of the full state.
+//!
+//! Owns its norm and how it is carried over kept steps; the derivative of a step is [`radau`]'s. Twin:
+//! `shaders/dynamics/adaptive/tangent.wgsl`.
+
+use super::kept::advanced;
+use super::{Orbit, Scratch, System};
+use crate::dynamics::matrix::at_nodes;
+use crate::dynamics::radau::{self, Heat, Memory, Perturbation, Start, Trial};
+use crate::dynamics::tangent::SMALLEST_SQUARE;
+use crate::lanes::Real;
+
+/// A tangent vector of the full state.
+#[derive(Clone, Debug)]
+pub struct Tangent<R> {
+    pub at: Perturbation<R>,
+    pub modes: Vec<R>,
+}
+
+impl<R: Real> Tangent<R> {
+    /// (X, Y, rest) = (1, 0, 0).
+    pub fn start(modes: usize) -> Self {
+        let zero = R::splat(0.0);
+        let heat = Heat {
+            pressure: zero,
+            falloff: zero,
+        };
+        Self {
+            at: Perturbation {
+                x: R::splat(1.0),
+                v: zero,
+                fit: zero,
+                heat,
+                flux: zero,
+            },
+            modes: vec![zero; modes],
+        }
+    }
+
+    /// Divides the vector by its norm and returns the norm. It is that of (X, Y) where there is wear, and else that of
+    /// (X, Y) and the heat modes, these in units of the pressure that they make (none where they feed nothing back).
+    #[inline(always)]
+    pub fn normalise(&mut self, system: &System<R>) -> R {
+        let mut square = self.at.x.mul_add(self.at.x, self.at.v * self.at.v);
+        for (mode, weight) in self.modes.iter().zip(&system.weights) {
+            let pressure = system.lasts * *mode * *weight;
+            square = pressure.mul_add(pressure, square);
+        }
+        let smallest = R::splat(SMALLEST_SQUARE);
+        let norm = R::select(square.less(smallest), smallest, square).sqrt();
+        let inverse = R::splat(1.0) / norm;
+        let at = &mut self.at;
+        for value in [
+            &mut at.x,
+            &mut at.v,
+            &mut at.fit,
+            &mut at.heat.pressure,
+            &mut at.heat.falloff,
+            &mut at.flux,
+        ]
+        .into_iter()
+        .chain(&mut self.modes)
+        {
+            *value = *value * inverse;
+        }
+        norm
+    }
+}
+
+impl<R: Real> Orbit<R> {
+    /// Carries a tangent vector over a kept step.
+    #[allow(clippy::too_many_arguments, reason = "the parts of one pass")]
+    #[inline(always)]
+    pub(super) fn carry(
+        &self,
+        system: &System<R>,
+        start: &Start<R>,
+        trial: &Trial<R>,
+        memory: &Memory<R>,
+        tangent: &mut Tangent<R>,
+        steps: &Scratch<R>,
+        h: R,
+        kept: R::Mask,
+    ) {
+        let mut free = Heat {
+            pressure: R::splat(0.0),
+            falloff: R::splat(0.0),
+        };
+        for (m, step) in steps.iter().enumerate() {
+            let left = system.weights[m] * step.factor * tangent.modes[m];
+            free.pressure = free.pressure + left;
+            free.falloff = system.rates[m].mul_add(left, free.falloff);
+        }
+        let memory = Memory { free, ..*memory };
+        let (end, flux) = trial.perturbed(&system.rubbing, start, h, &memory, &tangent.at);
+        let flux = radau::parabola(flux);
+        let flux = at_nodes!(k => flux[k] * h);
+        for (m, step) in steps.iter().enumerate() {
+            let mode = advanced(step, tangent.modes[m], flux);
+            tangent.modes[m] = R::select(kept, mode, tangent.modes[m]);
+        }
+        let old = tangent.at;
+        tangent.at = Perturbation {
+            x: R::select(kept, end.x, old.x),
+            v: R::select(kept, end.v, old.v),
+            fit: R::select(kept, end.fit, old.fit),
+            heat: Heat {
+                pressure: R::select(kept, end.heat.pressure, old.heat.pressure),
+                falloff: R::select(kept, end.heat.falloff, old.heat.falloff),
+            },
+            flux: R::select(kept, end.flux, old.flux),
+        };
+    }
+}
