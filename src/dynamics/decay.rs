@@ -10,6 +10,17 @@ const SERIES_BOUND: f64 = 0.5;
 /// e^-z is taken as 0 beyond this.
 const LARGEST: f64 = 40.0;
 
+/// SERIES[n]: coefficient of z^n in I_2, (-1)^n 2!/(n+3)!.
+const SERIES: [f64; 11] = {
+    let mut coefficients = [1.0 / 3.0; 11];
+    let mut n = 1;
+    while n < coefficients.len() {
+        coefficients[n] = -coefficients[n - 1] / (n + 3) as f64;
+        n += 1;
+    }
+    coefficients
+};
+
 /// A mode of rate z over a step of length 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Decay<R> {
@@ -35,34 +46,17 @@ pub(super) fn single<R: Real>() -> bool {
     size_of::<R::Scalar>() == 4
 }
 
-/// e^-z for z >= 0.
-#[inline(always)]
-pub fn exponential<R: Real>(z: R) -> R {
-    // e^-z = (e^{-z/64})^64, by the series of the inner one
-    let x = z.min(R::splat(LARGEST)) * R::splat(-1.0 / 64.0);
-    let terms = if single::<R>() { 7 } else { 13 };
-    let mut sum = R::splat(1.0);
-    for n in (1..=terms).rev() {
-        sum = (x * R::splat(1.0 / f64::from(n))).mul_add(sum, R::splat(1.0));
-    }
-    for _ in 0..6 {
-        sum = sum * sum;
-    }
-    sum
-}
-
 /// The decay of a mode of rate `z` >= 0 (rate times length of the step), given 1/z as well.
 #[inline(always)]
 pub fn decay<R: Real>(z: R, inverse_z: R) -> Decay<R> {
     let slow = z.less(R::splat(SERIES_BOUND));
+    // of a fast mode the series gives e^{-z/64}
+    let part = z.min(R::splat(LARGEST)) * R::splat(1.0 / 64.0);
+    let series = by_series(R::select(slow, z, part));
     if slow.all() {
-        return by_series(z);
+        return series;
     }
-    let recursion = by_recursion(z, inverse_z);
-    if R::splat(SERIES_BOUND).less(z).all() {
-        return recursion;
-    }
-    let series = by_series(z);
+    let recursion = by_recursion(series.factor, inverse_z);
     Decay {
         factor: R::select(slow, series.factor, recursion.factor),
         moments: [
@@ -77,12 +71,11 @@ pub fn decay<R: Real>(z: R, inverse_z: R) -> Decay<R> {
 #[inline(always)]
 fn by_series<R: Real>(z: R) -> Decay<R> {
     let one = R::splat(1.0);
-    let terms = if single::<R>() { 6 } else { 12 };
-    let mut sum = one;
-    for n in (1..=terms).rev() {
-        sum = (z * R::splat(-1.0 / f64::from(n + 3))).mul_add(sum, one);
+    let last = if single::<R>() { 6 } else { 10 };
+    let mut second = R::splat(SERIES[last]);
+    for n in (0..last).rev() {
+        second = second.mul_add(z, R::splat(SERIES[n]));
     }
-    let second = sum * R::splat(1.0 / 3.0);
     let first = (one - z * second) * R::splat(0.5);
     let zeroth = one - z * first;
     Decay {
@@ -91,11 +84,14 @@ fn by_series<R: Real>(z: R) -> Decay<R> {
     }
 }
 
-/// I_0 = (1 - e^-z)/z, then upwards by I_k = (1 - k I_{k-1})/z, which is stable for large z.
+/// e^-z = (e^{-z/64})^64 and I_0 = (1 - e^-z)/z, then upwards by I_k = (1 - k I_{k-1})/z, which is stable for large z.
 #[inline(always)]
-fn by_recursion<R: Real>(z: R, inverse_z: R) -> Decay<R> {
+fn by_recursion<R: Real>(part: R, inverse_z: R) -> Decay<R> {
     let one = R::splat(1.0);
-    let factor = exponential(z);
+    let mut factor = part;
+    for _ in 0..6 {
+        factor = factor * factor;
+    }
     let zeroth = (one - factor) * inverse_z;
     let first = (one - zeroth) * inverse_z;
     Decay {
