@@ -182,11 +182,12 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
         heat.pressure += weights[m] * modes[m];
         heat.falloff += weights[m] * rates[m] * modes[m];
     }
-    let start = start_new(rubbing, sample.x, sample.v, sample.shaft_speed, sample.fit, heat, sample.contact);
+    let piece = rubbing_piece(rubbing, piece_index(rubbing.friction, sample.v));
+    let start = start_new(rubbing, piece, sample.x, sample.v, sample.shaft_speed, sample.fit, heat, sample.contact);
     let speed = vec3(sample.speed_0, sample.speed_1, sample.speed_2);
     let drive = Drive(h, speed, vec3(sample.fit_0, sample.fit_1, sample.fit_2));
     let memory = memory_new(h);
-    let trial = solve(rubbing, start, drive, memory, vec3(sample.guess));
+    let trial = solve(rubbing, start, drive, memory, vec3(sample.guess), 1e-5);
     let end = memory_end(memory, parabola(trial.flux));
     let falloff = trial_falloff(trial, rubbing, start, h, end);
     let tangent_heat = Heat(sample.tangent_pressure, sample.tangent_falloff);
@@ -237,7 +238,9 @@ fn start<R: Real>(sample: &[R; INPUTS], rubbing: &Rubbing<R>) -> Start<R> {
         heat.falloff = heat.falloff + weights[m] * rates[m] * modes[m];
     }
     let [x, v, speed, fit, contact] = [14, 15, 16, 17, 18].map(|i| sample[i]);
-    Start::new(rubbing, x, v, speed, fit, heat, contact)
+    let above = |boundary: R| R::select(boundary.less(v), R::splat(1.0), zero);
+    let piece = above(-rubbing.epsilon_0) + above(zero) + above(rubbing.epsilon_0);
+    Start::new(rubbing, rubbing.piece(piece), x, v, speed, fit, heat, contact)
 }
 
 /// The fields of the shader's `Sample`, in order. Half of the states slide inside the friction layer, a tenth are in the
@@ -314,7 +317,7 @@ fn expected<R: Real<Mask = bool>>(sample: &[f32; INPUTS]) -> [f64; OUTPUTS] {
     let mut steps = [Decay::<R>::empty(); 3];
     let inverse_rates = rates.map(|rate| R::splat(1.0) / rate);
     let memory = Memory::new(h, &rates, &inverse_rates, &weights, &modes, &mut steps);
-    let trial = radau::solve(&rubbing, &start, &drive, &memory, [sample[26]; 3]);
+    let trial = radau::solve(&rubbing, &start, &drive, &memory, [sample[26]; 3], R::splat(1e-5));
     let end = memory.end(radau::parabola(trial.flux));
     let falloff = trial.falloff(&rubbing, &start, h, end);
     let at = Perturbation {

@@ -24,6 +24,8 @@ fn rust_layouts() -> BTreeMap<&'static str, Layout> {
             unrecorded,
             period_tolerance,
             tolerance,
+            newton,
+            reach,
             longest
         }),
         layout_of!(Span {

@@ -51,6 +51,14 @@ fn crossing(cubic: Cubic, level: f32, first: f32, last: f32) -> f32 {
     return s;
 }
 
+// Whether the cubic surely stays below `level` between s = 0 and 1: its Bezier points do.
+fn stays_below(cubic: Cubic, level: f32) -> bool {
+    let first = fma(1.0 / 3.0, cubic.c1, cubic.c0);
+    let second = fma(1.0 / 3.0, cubic.c1 + cubic.c2, first);
+    let last = cubic.c0 + cubic.c1 + cubic.c2 + cubic.c3;
+    return max(max(first, second), max(last, cubic.c0)) < level;
+}
+
 // Greatest value between s = 0 and 1 and where it is, if there is a maximum inside; else the value at 1 (that at 0 was
 // the end of the step before).
 fn maximum(cubic: Cubic) -> Maximum {

@@ -50,9 +50,6 @@ override ERROR_WEIGHT: f32;
 // Newton's iterations until a trial counts as failed.
 override MAX_ITERATIONS: u32;
 
-// Newton's last correction, relative to the larger of |v| and the friction layer's half-width.
-override NEWTON_TOLERANCE: f32;
-
 // The thermal part of the pressure, sum w_m q_m, and sum w_m r_m q_m, by which it falls off.
 struct Heat {
     pressure: f32,
@@ -78,6 +75,8 @@ struct Start {
     heat: Heat,
     // 1 in contact, 0 in the gap.
     contact: f32,
+    // The piece of the friction law that the trial follows.
+    piece: Piece,
     // p, F(v), the acceleration and the heat flux here.
     pressure: f32,
     friction: f32,
@@ -177,9 +176,18 @@ fn memory_end(memory: Memory, flux: vec3<f32>) -> Heat {
     );
 }
 
-fn start_new(rubbing: Rubbing, x: f32, v: f32, shaft_speed: f32, fit: f32, heat: Heat, contact: f32) -> Start {
+fn start_new(
+    rubbing: Rubbing,
+    piece: Piece,
+    x: f32,
+    v: f32,
+    shaft_speed: f32,
+    fit: f32,
+    heat: Heat,
+    contact: f32,
+) -> Start {
     let pressure = contact * (fit + heat.pressure);
-    let friction = rubbing_friction(rubbing, v);
+    let friction = rubbing_friction(rubbing, piece, v);
     let rubbed = pressure * friction;
     return Start(
         x,
@@ -188,6 +196,7 @@ fn start_new(rubbing: Rubbing, x: f32, v: f32, shaft_speed: f32, fit: f32, heat:
         fit,
         heat,
         contact,
+        piece,
         pressure,
         friction,
         acceleration(rubbing, x, shaft_speed - v, rubbed),
@@ -213,83 +222,96 @@ fn inner_heat_new(rubbing: Rubbing, h: f32, start: Heat, start_flux: f32, memory
     );
 }
 
-// Solves a trial; `guess` are accelerations at the nodes to begin with.
-fn solve(rubbing: Rubbing, start: Start, drive: Drive, memory: Memory, guess: vec3<f32>) -> Trial {
+// Solves a trial; `guess` are accelerations at the nodes to begin with, `closeness` what Newton's last correction may be
+// relative to the larger of |v| and the friction layer's half-width.
+fn solve(rubbing: Rubbing, start: Start, drive: Drive, memory: Memory, guess: vec3<f32>, closeness: f32) -> Trial {
     let h = drive.h;
     let heat = inner_heat_new(rubbing, h, start.heat, start.flux, memory);
     let by_flux = heat.by_flux * start.contact;
-    let wear = start.contact * rubbing.k_w * h;
+    let weights = h * INTEGRALS;
+    let worn = (start.contact * rubbing.k_w) * weights;
     let speed = start.shaft_speed + drive.speed;
     let aim = start.v + drive.speed;
+    let piece = start.piece;
 
     var trial: Trial;
     trial.if_closed = start.fit + drive.fit + heat.offset;
-    var v = aim - h * integrals(guess);
+    var v = aim - weights * guess;
+    var correction = vec3(0.0);
     for (var i = 0u; i < MAX_ITERATIONS; i++) {
         let y = speed - v;
-        trial.x = start.x + h * integrals(y);
+        trial.x = start.x + weights * y;
         trial.friction = vec3(
-            rubbing_friction(rubbing, v[0]),
-            rubbing_friction(rubbing, v[1]),
-            rubbing_friction(rubbing, v[2]),
+            rubbing_friction(rubbing, piece, v[0]),
+            rubbing_friction(rubbing, piece, v[1]),
+            rubbing_friction(rubbing, piece, v[2]),
         );
         trial.slope = vec3(
-            friction_slope(rubbing, v[0]),
-            friction_slope(rubbing, v[1]),
-            friction_slope(rubbing, v[2]),
+            friction_slope(rubbing, piece, v[0]),
+            friction_slope(rubbing, piece, v[1]),
+            friction_slope(rubbing, piece, v[2]),
         );
         // p = response (closed): the flux and the wear at the nodes are linear in p
-        let worn = wear * abs(v);
+        let slid = abs(v);
         let heated = trial.friction * v;
         trial.response = inverse(mat3x3(
-            vec3(1.0, 0.0, 0.0) + worn[0] * INTEGRALS[0] - heated[0] * by_flux[0],
-            vec3(0.0, 1.0, 0.0) + worn[1] * INTEGRALS[1] - heated[1] * by_flux[1],
-            vec3(0.0, 0.0, 1.0) + worn[2] * INTEGRALS[2] - heated[2] * by_flux[2],
+            vec3(1.0, 0.0, 0.0) + slid[0] * worn[0] - heated[0] * by_flux[0],
+            vec3(0.0, 1.0, 0.0) + slid[1] * worn[1] - heated[1] * by_flux[1],
+            vec3(0.0, 0.0, 1.0) + slid[2] * worn[2] - heated[2] * by_flux[2],
         ));
         trial.pressure = trial.response * (start.contact * trial.if_closed);
         let rubbed = trial.pressure * trial.friction;
-        trial.flux = rubbed * v;
         trial.acceleration = vec3(
             acceleration(rubbing, trial.x[0], y[0], rubbed[0]),
             acceleration(rubbing, trial.x[1], y[1], rubbed[1]),
             acceleration(rubbing, trial.x[2], y[2], rubbed[2]),
         );
-        let residual = v - aim + h * integrals(trial.acceleration);
+        let residual = v - aim + weights * trial.acceleration;
 
         let by_heat = fma(trial.slope, v, trial.friction) * trial.pressure;
-        let by_wear = wear * select(trial.pressure, -trial.pressure, v < vec3(0.0));
+        let by_wear = select(-trial.pressure, trial.pressure, v < vec3(0.0));
         trial.by_v = trial.response * mat3x3(
-            by_flux[0] * by_heat[0] - INTEGRALS[0] * by_wear[0],
-            by_flux[1] * by_heat[1] - INTEGRALS[1] * by_wear[1],
-            by_flux[2] * by_heat[2] - INTEGRALS[2] * by_wear[2],
+            by_flux[0] * by_heat[0] + worn[0] * by_wear[0],
+            by_flux[1] * by_heat[1] + worn[1] * by_wear[1],
+            by_flux[2] * by_heat[2] + worn[2] * by_wear[2],
         );
         let by_pressure = rubbing.epsilon * trial.friction;
-        let by_x = h * vec3(
+        let by_x = vec3(
             stiffness(rubbing, trial.x[0]),
             stiffness(rubbing, trial.x[1]),
             stiffness(rubbing, trial.x[2]),
         );
         let own = fma(rubbing.epsilon * trial.pressure, trial.slope, vec3(rubbing.damping));
-        let jacobian = INTEGRALS * mat3x3(
-            by_pressure * trial.by_v[0] - by_x * INTEGRALS[0] + vec3(own[0], 0.0, 0.0),
-            by_pressure * trial.by_v[1] - by_x * INTEGRALS[1] + vec3(0.0, own[1], 0.0),
-            by_pressure * trial.by_v[2] - by_x * INTEGRALS[2] + vec3(0.0, 0.0, own[2]),
+        let jacobian = weights * mat3x3(
+            by_pressure * trial.by_v[0] - by_x * weights[0] + vec3(own[0], 0.0, 0.0),
+            by_pressure * trial.by_v[1] - by_x * weights[1] + vec3(0.0, own[1], 0.0),
+            by_pressure * trial.by_v[2] - by_x * weights[2] + vec3(0.0, 0.0, own[2]),
         );
         trial.newton = inverse(mat3x3(
-            vec3(1.0, 0.0, 0.0) + h * jacobian[0],
-            vec3(0.0, 1.0, 0.0) + h * jacobian[1],
-            vec3(0.0, 0.0, 1.0) + h * jacobian[2],
+            vec3(1.0, 0.0, 0.0) + jacobian[0],
+            vec3(0.0, 1.0, 0.0) + jacobian[1],
+            vec3(0.0, 0.0, 1.0) + jacobian[2],
         ));
-        let correction = trial.newton * residual;
+        correction = trial.newton * residual;
         v = v - correction;
-        let bound = NEWTON_TOLERANCE * max(abs(v), vec3(rubbing.epsilon_0));
+        let bound = closeness * max(abs(v), vec3(rubbing.epsilon_0));
         trial.converged = all(are_below(abs(correction), bound));
         if (trial.converged) {
             break;
         }
     }
-    // the last correction is taken in v; what hangs on v was evaluated before it, to the tolerance of Newton's method
+    // what hangs on v was evaluated before the last correction, and follows it to its square
     trial.v = v;
+    trial.x += weights * correction;
+    trial.pressure -= trial.by_v * correction;
+    trial.friction -= trial.slope * correction;
+    let rubbed = trial.pressure * trial.friction;
+    trial.flux = rubbed * v;
+    trial.acceleration = vec3(
+        acceleration(rubbing, trial.x[0], speed[0] - v[0], rubbed[0]),
+        acceleration(rubbing, trial.x[1], speed[1] - v[1], rubbed[1]),
+        acceleration(rubbing, trial.x[2], speed[2] - v[2], rubbed[2]),
+    );
     return trial;
 }
 

@@ -43,14 +43,19 @@ fn rubbing_new(value: Parameters) -> Rubbing {
     );
 }
 
-// Kinetic friction F(v).
-fn rubbing_friction(rubbing: Rubbing, v: f32) -> f32 {
-    return force(rubbing.friction, v);
+// The piece of the friction law that has this index.
+fn rubbing_piece(rubbing: Rubbing, index: f32) -> Piece {
+    return friction_piece(rubbing.friction, index, rubbing.epsilon_0);
 }
 
-// F'(v).
-fn friction_slope(rubbing: Rubbing, v: f32) -> f32 {
-    return slope(rubbing.friction, v);
+// Kinetic friction F(v) by a piece of the law, also beyond its boundaries.
+fn rubbing_friction(rubbing: Rubbing, piece: Piece, v: f32) -> f32 {
+    return fma(fma(fma(rubbing.friction.beta, v, piece.a_2), v, piece.a_1), v, piece.a_0);
+}
+
+// F'(v), likewise.
+fn friction_slope(rubbing: Rubbing, piece: Piece, v: f32) -> f32 {
+    return fma(fma(3.0 * rubbing.friction.beta, v, 2.0 * piece.a_2), v, piece.a_1);
 }
 
 // Acceleration of the bush, given the product of pressure and friction.

@@ -10,6 +10,10 @@ struct Run {
     period_tolerance: f32,
     // Error of a step: of v in units of 1 outside the friction layer and of its half-width inside, of p relative.
     tolerance: f32,
+    // Newton's last correction, relative to the larger of |v| and the friction layer's half-width.
+    newton: f32,
+    // How near to a boundary of the friction layer a step must end, in half-widths of the layer.
+    reach: f32,
     // Longest step, in ticks.
     longest: f32,
 }

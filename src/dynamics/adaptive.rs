@@ -29,11 +29,20 @@ pub const TICKS: u32 = 1 << 28;
 /// A contact whose thermal pressure reaches this has run away: expansion feeds the friction that heats.
 pub const PRESSURE_BOUND: f64 = 1e9;
 
+/// Least of [`Control::reach`]: nearer to a boundary, v changes too little over a step to be told apart in f32.
+const LEAST_REACH: f64 = 5e-4;
+
 /// What all instances of a batch share.
 #[derive(Clone, Copy, Debug)]
 pub struct Control<R> {
     /// Error of a step: of v in units of 1 outside the friction layer and of its half-width inside, of p relative.
     pub tolerance: R,
+    /// Newton's last correction, relative to the larger of |v| and the friction layer's half-width: what is left after it
+    /// is of the order of its square, a hundredth of the tolerance.
+    pub newton: R,
+    /// How near to a boundary of the friction layer a step must end, in half-widths of the layer. On the wrong piece of
+    /// the law for so long, friction errs by the square of it, a tenth of the tolerance.
+    pub reach: R,
     /// Longest step, in ticks: a sixteenth of a period at most, which f32 holds exactly.
     pub longest: R,
 }
@@ -42,6 +51,8 @@ impl<R: Real> Control<R> {
     pub fn new(settings: &Settings) -> Self {
         Self {
             tolerance: R::splat(settings.tolerance),
+            newton: R::splat((0.01 * settings.tolerance).sqrt()),
+            reach: R::splat((0.1 * settings.tolerance).sqrt().max(LEAST_REACH)),
             longest: R::splat((f64::from(TICKS) / f64::from(settings.steps_per_period())).floor()),
         }
     }

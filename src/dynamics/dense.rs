@@ -58,6 +58,17 @@ impl<R: Real> Cubic<R> {
         s
     }
 
+    /// Whether the cubic surely stays below `level` between s = 0 and 1: its Bezier points do.
+    #[inline(always)]
+    pub fn stays_below(&self, level: R) -> R::Mask {
+        let [c0, c1, c2, c3] = self.coefficients;
+        let third = R::splat(1.0 / 3.0);
+        let first = third.mul_add(c1, c0);
+        let second = third.mul_add(c1 + c2, first);
+        let last = c0 + c1 + c2 + c3;
+        first.max(second).max(last.max(c0)).less(level)
+    }
+
     /// Greatest value between s = 0 and 1 and where it is, if there is a maximum inside; else the value at 1 (that at 0
     /// was the end of the step before).
     #[inline(always)]

@@ -18,6 +18,7 @@
 use super::decay::{self, Decay};
 use super::matrix::{Matrix, Vector, apply, at_nodes, dot, inverse, product};
 use crate::lanes::{Mask, Real};
+use crate::model::friction::Piece;
 use crate::model::rubbing::Rubbing;
 
 const SQRT_6: f64 = 2.449_489_742_783_178;
@@ -77,11 +78,7 @@ const fn hermite_slope(c: f64) -> [f64; 4] {
 pub const ERROR_WEIGHT: f64 = 0.274_888_829_595_677_6;
 
 /// Newton's iterations until a trial counts as failed.
-pub const MAX_ITERATIONS: u32 = 8;
-
-/// Newton's last correction, relative to the larger of |v| and the friction layer's half-width. Convergence is quadratic:
-/// the correction after it would be of the order of rounding.
-pub const NEWTON_TOLERANCE: f64 = 1e-5;
+pub const MAX_ITERATIONS: u32 = 5;
 
 #[inline(always)]
 fn constants<R: Real, const N: usize>(values: [f64; N]) -> [R; N] {
@@ -179,6 +176,8 @@ pub struct Start<R> {
     pub heat: Heat<R>,
     /// 1 in contact, 0 in the gap.
     pub contact: R,
+    /// The piece of the friction law that the trial follows.
+    pub piece: Piece<R>,
     /// p, F(v), the acceleration and the heat flux here.
     pub pressure: R,
     pub friction: R,
@@ -187,10 +186,20 @@ pub struct Start<R> {
 }
 
 impl<R: Real> Start<R> {
+    #[allow(clippy::too_many_arguments, reason = "the parts of a state")]
     #[inline(always)]
-    pub fn new(rubbing: &Rubbing<R>, x: R, v: R, shaft_speed: R, fit: R, heat: Heat<R>, contact: R) -> Self {
+    pub fn new(
+        rubbing: &Rubbing<R>,
+        piece: Piece<R>,
+        x: R,
+        v: R,
+        shaft_speed: R,
+        fit: R,
+        heat: Heat<R>,
+        contact: R,
+    ) -> Self {
         let pressure = contact * (fit + heat.pressure);
-        let friction = rubbing.friction(v);
+        let friction = rubbing.friction(&piece, v);
         let rubbed = pressure * friction;
         Self {
             x,
@@ -199,6 +208,7 @@ impl<R: Real> Start<R> {
             fit,
             heat,
             contact,
+            piece,
             pressure,
             friction,
             acceleration: rubbing.acceleration(x, shaft_speed - v, rubbed),
@@ -271,7 +281,8 @@ impl<R: Real> InnerHeat<R> {
     }
 }
 
-/// Solves a trial; `guess` are accelerations at the nodes to begin with.
+/// Solves a trial; `guess` are accelerations at the nodes to begin with, `closeness` what Newton's last correction may be
+/// relative to the larger of |v| and the friction layer's half-width.
 #[inline(always)]
 pub fn solve<R: Real>(
     rubbing: &Rubbing<R>,
@@ -279,17 +290,21 @@ pub fn solve<R: Real>(
     drive: &Drive<R>,
     memory: &Memory<R>,
     guess: Vector<R>,
+    closeness: R,
 ) -> Trial<R> {
     let (zero, one, h) = (R::splat(0.0), R::splat(1.0), drive.h);
     let heat = InnerHeat::new(rubbing, h, start.heat, start.flux, memory);
     let closed = at_nodes!(i => start.fit + drive.fit[i] + heat.offset[i]);
     let by_flux = at_nodes!(i => at_nodes!(j => start.contact * heat.by_flux[i][j]));
-    let wear = start.contact * rubbing.k_w * h;
+    let weights = at_nodes!(i => at_nodes!(j => h * R::splat(INTEGRALS[i][j])));
+    let wear = start.contact * rubbing.k_w;
+    let worn = at_nodes!(i => at_nodes!(j => wear * weights[i][j]));
+    let speed = at_nodes!(i => start.shaft_speed + drive.speed[i]);
     let target = at_nodes!(i => start.v + drive.speed[i]);
-    let integral_weights = at_nodes!(i => constants(INTEGRALS[i]));
 
-    let integrated = integrals(guess);
-    let mut v = at_nodes!(i => target[i] - h * integrated[i]);
+    let integrated = apply(&weights, guess);
+    let mut v = at_nodes!(i => target[i] - integrated[i]);
+    let mut correction = [zero; 3];
     let mut trial = Trial {
         converged: one.less(zero),
         x: [start.x; 3],
@@ -300,70 +315,69 @@ pub fn solve<R: Real>(
         acceleration: guess,
         flux: [zero; 3],
         slope: [zero; 3],
-        newton: integral_weights,
-        response: integral_weights,
-        by_v: integral_weights,
+        newton: weights,
+        response: weights,
+        by_v: weights,
     };
     for _ in 0..MAX_ITERATIONS {
-        let y = at_nodes!(i => start.shaft_speed + drive.speed[i] - v[i]);
-        let travelled = integrals(y);
-        trial.x = at_nodes!(i => h.mul_add(travelled[i], start.x));
-        trial.friction = at_nodes!(i => rubbing.friction(v[i]));
-        trial.slope = at_nodes!(i => rubbing.friction_slope(v[i]));
+        let y = at_nodes!(i => speed[i] - v[i]);
+        let travelled = apply(&weights, y);
+        trial.x = at_nodes!(i => start.x + travelled[i]);
+        trial.friction = at_nodes!(i => rubbing.friction(&start.piece, v[i]));
+        trial.slope = at_nodes!(i => rubbing.friction_slope(&start.piece, v[i]));
         // p = response (closed): the flux and the wear at the nodes are linear in p
-        let mut system = integral_weights;
+        let slid = at_nodes!(j => v[j].abs());
+        let cooled = at_nodes!(j => -(trial.friction[j] * v[j]));
+        let mut system = weights;
         for i in 0..3 {
             for j in 0..3 {
-                let worn = wear * integral_weights[i][j] * v[j].abs();
                 let own = if i == j { one } else { zero };
-                system[i][j] = own + worn - by_flux[i][j] * (trial.friction[j] * v[j]);
+                system[i][j] = by_flux[i][j].mul_add(cooled[j], worn[i][j].mul_add(slid[j], own));
             }
         }
         trial.response = inverse(&system);
         trial.pressure = apply(&trial.response, at_nodes!(i => start.contact * closed[i]));
         let rubbed = at_nodes!(i => trial.pressure[i] * trial.friction[i]);
-        trial.flux = at_nodes!(i => rubbed[i] * v[i]);
         trial.acceleration = at_nodes!(i => rubbing.acceleration(trial.x[i], y[i], rubbed[i]));
-        let integrated = integrals(trial.acceleration);
-        let residual = at_nodes!(i => v[i] - target[i] + h * integrated[i]);
+        let integrated = apply(&weights, trial.acceleration);
+        let residual = at_nodes!(i => v[i] - target[i] + integrated[i]);
 
-        let mut source = integral_weights;
-        for j in 0..3 {
-            let by_heat = trial.slope[j].mul_add(v[j], trial.friction[j]) * trial.pressure[j];
-            let by_wear = wear * R::select(v[j].less(zero), -trial.pressure[j], trial.pressure[j]);
-            for i in 0..3 {
-                source[i][j] = by_flux[i][j] * by_heat - integral_weights[i][j] * by_wear;
-            }
-        }
+        let by_heat = at_nodes!(j => trial.slope[j].mul_add(v[j], trial.friction[j]) * trial.pressure[j]);
+        let by_wear = at_nodes!(j => R::select(v[j].less(zero), trial.pressure[j], -trial.pressure[j]));
+        let source = at_nodes!(i => at_nodes!(j => by_flux[i][j].mul_add(by_heat[j], worn[i][j] * by_wear[j])));
         trial.by_v = product(&trial.response, &source);
         let mut by_v = trial.by_v;
         for i in 0..3 {
-            let (rubbed, stiffness) = (rubbing.epsilon * trial.friction[i], h * rubbing.stiffness(trial.x[i]));
-            for j in 0..3 {
-                by_v[i][j] = rubbed * by_v[i][j] - stiffness * integral_weights[i][j];
-            }
+            let (rubbed, stiffness) = (rubbing.epsilon * trial.friction[i], rubbing.stiffness(trial.x[i]));
+            by_v[i] = at_nodes!(j => rubbed.mul_add(by_v[i][j], -(stiffness * weights[i][j])));
             by_v[i][i] = by_v[i][i] + (rubbing.epsilon * trial.pressure[i]).mul_add(trial.slope[i], rubbing.damping);
         }
-        let mut jacobian = product(&integral_weights, &by_v);
+        let mut jacobian = product(&weights, &by_v);
         for i in 0..3 {
-            jacobian[i] = at_nodes!(j => h * jacobian[i][j]);
             jacobian[i][i] = jacobian[i][i] + one;
         }
         trial.newton = inverse(&jacobian);
-        let correction = apply(&trial.newton, residual);
-        trial.v = v;
+        correction = apply(&trial.newton, residual);
         v = at_nodes!(i => v[i] - correction[i]);
         let [first, second, last] = at_nodes!(i => {
             let scale = v[i].abs().max(rubbing.epsilon_0);
-            correction[i].abs().less(R::splat(NEWTON_TOLERANCE) * scale)
+            correction[i].abs().less(closeness * scale)
         });
         trial.converged = first.and(second).and(last);
         if trial.converged.all() {
             break;
         }
     }
-    // the last correction is taken in v; what hangs on v was evaluated before it, to the tolerance of Newton's method
+    // what hangs on v was evaluated before the last correction, and follows it to its square
+    let by_v = apply(&trial.by_v, correction);
+    let travelled = apply(&weights, correction);
     trial.v = v;
+    trial.x = at_nodes!(i => trial.x[i] + travelled[i]);
+    trial.pressure = at_nodes!(i => trial.pressure[i] - by_v[i]);
+    trial.friction = at_nodes!(i => trial.friction[i] - trial.slope[i] * correction[i]);
+    let rubbed = at_nodes!(i => trial.pressure[i] * trial.friction[i]);
+    trial.flux = at_nodes!(i => rubbed[i] * v[i]);
+    trial.acceleration = at_nodes!(i => rubbing.acceleration(trial.x[i], speed[i] - v[i], rubbed[i]));
     trial
 }
 

@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use super::friction::Friction;
+use super::friction::{Friction, Piece};
 use super::thermal_modes::ThermalModes;
 use crate::lanes::Real;
 use crate::parameters::{Parameter, ParameterSet};
@@ -58,16 +58,24 @@ impl<R: Real> Rubbing<R> {
         }
     }
 
-    /// Kinetic friction F(v).
+    /// The piece of the friction law that has this index.
     #[inline(always)]
-    pub fn friction(&self, v: R) -> R {
-        self.friction.force(v)
+    pub fn piece(&self, index: R) -> Piece<R> {
+        self.friction.piece(index, self.epsilon_0)
     }
 
-    /// F'(v).
+    /// Kinetic friction F(v) by a piece of the law, also beyond its boundaries.
     #[inline(always)]
-    pub fn friction_slope(&self, v: R) -> R {
-        self.friction.slope(v)
+    pub fn friction(&self, piece: &Piece<R>, v: R) -> R {
+        let cubic = self.friction.cubic();
+        cubic.mul_add(v, piece.a_2).mul_add(v, piece.a_1).mul_add(v, piece.a_0)
+    }
+
+    /// F'(v), likewise.
+    #[inline(always)]
+    pub fn friction_slope(&self, piece: &Piece<R>, v: R) -> R {
+        let (two, three_cubic) = (R::splat(2.0), R::splat(3.0) * self.friction.cubic());
+        three_cubic.mul_add(v, two * piece.a_2).mul_add(v, piece.a_1)
     }
 
     /// Acceleration of the bush, given the product of pressure and friction.

@@ -1,13 +1,14 @@
 // Where steps end: at the boundaries of the friction layer, and where contact is lost or comes back.
 // Twin: src/dynamics/adaptive/events.rs.
 
-// Near a boundary of the friction layer, in half-widths of the layer: how far beyond it a step is cut, how far beyond
-// the cut aims, and from how far before it a thread that is on its way out is taken to have reached the next piece.
+// How far beyond a boundary of the friction layer a step is cut, in units of `run.reach`. The cut aims at a reach beyond, and
+// an orbit on its way out has come to the next piece from a reach before the boundary on.
 override CUT: f32;
-override AIM: f32;
-override REACHED: f32;
 
-// Bounds of a sliding velocity that meets no boundary.
+// Part of the layer's half-width that is tried first in it.
+override FIRST_PART: f32;
+
+// Stands for infinity: bounds of a sliding velocity that meets no boundary.
 const FAR = 1e30;
 
 // Whether a trial stays on its piece of the friction law and in its state of contact; else the part of it that does.
@@ -27,17 +28,17 @@ fn orbit_cut(orbit: ptr<function, Orbit>, rubbing: Rubbing, start: Start, trial:
     var cut = Part(1.0, true);
 
     let bounds = orbit_bounds(orbit, rubbing);
-    let margin = CUT * rubbing.epsilon_0;
+    let reach = run.reach * rubbing.epsilon_0;
+    let margin = CUT * reach;
     let lowest = bounds[0] - margin;
     let highest = bounds[1] + margin;
     let inside = vec3(lowest) < trial.v & trial.v < vec3(highest);
     if (!all(inside)) {
-        let aim = AIM * rubbing.epsilon_0;
         // the first node beyond, and the one before it
         let before = select(0.0, select(NODE_0, NODE_1, inside[1]), inside[0]);
         let beyond = select(NODE_0, select(NODE_1, 1.0, inside[1]), inside[0]);
         let v = select(trial.v[0], select(trial.v[1], trial.v[2], inside[1]), inside[0]);
-        let level = select(bounds[1] + aim, bounds[0] - aim, v < bounds[0]);
+        let level = select(bounds[1] + reach, bounds[0] - reach, v < bounds[0]);
         let part = crossing(cubic_new(start.v, trial.v), level, before, beyond);
         cut = Part(max(part, 1e-3), false);
     }
@@ -70,23 +71,22 @@ fn orbit_bounds(orbit: ptr<function, Orbit>, rubbing: Rubbing) -> vec2<f32> {
 // Moves the orbit to the piece that it has reached; returns the factor for its next step, 0 where it has not moved.
 fn orbit_switch(orbit: ptr<function, Orbit>, rubbing: Rubbing, start: Start, trial: Trial) -> f32 {
     let bounds = orbit_bounds(orbit, rubbing);
-    let reached = REACHED * rubbing.epsilon_0;
+    let reach = run.reach * rubbing.epsilon_0;
     let v = (*orbit).v;
-    if (bounds[1] - reached < v && start.v < v) {
+    if (bounds[1] - reach < v && start.v < v) {
         (*orbit).piece += 1.0;
-    } else if (v < bounds[0] + reached && v < start.v) {
+    } else if (v < bounds[0] + reach && v < start.v) {
         (*orbit).piece -= 1.0;
     } else {
         return 0.0;
     }
-    // entering the layer, the next boundary is a layer's half-width away at most; leaving it, what limited the step is
-    // gone
+    // in the layer, a part of the way across its half; leaving it, what limited the step is gone
     if (abs((*orbit).piece - 1.5) >= 1.0) {
         return 4.0;
     }
     // v' through the last two nodes is good enough for the length of a step
     let slid = max(abs(trial.v[2] - trial.v[1]), 1e-20) * (1.0 / (1.0 - NODE_1));
-    return min(1.1 * rubbing.epsilon_0 / slid, 64.0);
+    return min(FIRST_PART * rubbing.epsilon_0 / slid, 64.0);
 }
 
 // How far below zero a pressure counts as zero: p is a difference of numbers of the size of the worn depth.

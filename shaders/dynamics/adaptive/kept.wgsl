@@ -1,49 +1,40 @@
 // What is taken from a kept step: its end as the new state, and what it shows of extremes and of contact.
 // Twin: src/dynamics/adaptive/kept.rs.
 
+// Parts that the surface temperature within a step may be off by, where it is not computed anew.
+override ROUGH: f32;
+
 // Takes the end of a trial as the new state.
 fn keep(
     orbit: ptr<function, Orbit>,
     system: System,
     start: Start,
-    drive: Drive,
+    turned: Turned,
     trial: Trial,
     memory: Memory,
     h: f32,
     elapsed: f32,
 ) {
-    let coefficients = parabola(trial.flux);
-    let heat = memory_end(memory, coefficients);
-    let flux = coefficients * h;
+    let flux = parabola(trial.flux);
+    let heat = memory_end(memory, flux);
+    peaks_of(orbit, system, start, trial, flux, heat, h, elapsed);
+    let put_in = flux * h;
     for (var m = 0u; m < HEAT_MODES; m++) {
-        modes[m] = advanced(steps[m], modes[m], flux);
+        modes[m] = advanced(steps[m], modes[m], put_in);
     }
 
-    let pressure = maximum(cubic_new(start.pressure, trial.pressure));
-    if ((*orbit).peak_pressure < pressure.value) {
-        (*orbit).peak_pressure = pressure.value;
-        (*orbit).peak_periods = (*orbit).periods;
-        (*orbit).peak_time = fma(pressure.s, h, elapsed);
-    }
-    let falloff = trial_falloff(trial, system.rubbing, start, h, heat);
-    let temperature = maximum(cubic_new(start.heat.falloff, falloff)).value * system.surface_temperature;
-    (*orbit).peak_temperature = max(temperature, (*orbit).peak_temperature);
+    (*orbit).x_min = -raised(-(*orbit).x_min, cubic_new(-start.x, -trial.x));
+    (*orbit).x_max = raised((*orbit).x_max, cubic_new(start.x, trial.x));
 
-    let highest = maximum(cubic_new(start.x, trial.x)).value;
-    let lowest = maximum(cubic_new(-start.x, -trial.x)).value;
-    (*orbit).x_min = min((*orbit).x_min, -lowest);
-    (*orbit).x_max = max((*orbit).x_max, highest);
-
-    (*orbit).fit = (*orbit).fit + drive.fit[2] - worn(trial, system.rubbing, h);
+    (*orbit).fit = (*orbit).fit + turned.drive.fit[2] - worn(trial, system.rubbing, h);
     (*orbit).x = trial.x[2];
     (*orbit).v = trial.v[2];
     (*orbit).heat_pressure = heat.pressure;
     (*orbit).heat_falloff = heat.falloff;
-    let turn = rotation(h / system.period * TAU);
     let sine = (*orbit).sine;
     let cosine = (*orbit).cosine;
-    (*orbit).sine = sine + (cosine * turn.sine - sine * turn.versine);
-    (*orbit).cosine = cosine - (sine * turn.sine + cosine * turn.versine);
+    (*orbit).sine = sine + (cosine * turned.turn.sine - sine * turned.turn.versine);
+    (*orbit).cosine = cosine - (sine * turned.turn.sine + cosine * turned.turn.versine);
 
     // contact changes where its signal has come down to zero
     let signal = select(trial.pressure[2], -trial.if_closed[2], (*orbit).contact < 0.5);
@@ -57,7 +48,57 @@ fn keep(
     }
 }
 
+// Takes note of what a step shows of the pressure and of the surface temperature, whose heat flux has the coefficients
+// `flux` and which ends with `heat`.
+fn peaks_of(
+    orbit: ptr<function, Orbit>,
+    system: System,
+    start: Start,
+    trial: Trial,
+    flux: vec3<f32>,
+    heat: Heat,
+    h: f32,
+    elapsed: f32,
+) {
+    let pressure = cubic_new(start.pressure, trial.pressure);
+    if (!stays_below(pressure, (*orbit).peak_pressure)) {
+        let highest = maximum(pressure);
+        if ((*orbit).peak_pressure < highest.value) {
+            (*orbit).peak_pressure = highest.value;
+            (*orbit).peak_periods = (*orbit).periods;
+            (*orbit).peak_time = fma(highest.s, h, elapsed);
+        }
+    }
+    // within the step the temperature is known roughly: it is computed anew where it may be the greatest
+    let rough = cubic_new(start.heat.falloff, trial_falloff(trial, system.rubbing, start, h, heat));
+    if (!stays_below(rough, (*orbit).peak_temperature / system.surface_temperature * (1.0 - ROUGH))) {
+        let temperature = falloff_within(flux, maximum(rough).s, h) * system.surface_temperature;
+        (*orbit).peak_temperature = max((*orbit).peak_temperature, temperature);
+    }
+}
+
+// The surface temperature's sum w_m r_m q_m after a part of a step, whose heat flux has the coefficients `flux`.
+fn falloff_within(flux: vec3<f32>, part: f32, length: f32) -> f32 {
+    let h = part * length;
+    let inverse_h = 1.0 / h;
+    let put_in = flux * vec3(h, h * part, h * part * part);
+    var falloff = 0.0;
+    for (var m = 0u; m < HEAT_MODES; m++) {
+        let step = decay(rates[m] * h, inverse_rates[m] * inverse_h);
+        falloff = fma(weights[m] * rates[m], advanced(step, modes[m], put_in), falloff);
+    }
+    return falloff;
+}
+
 // A mode after a step; `flux` are the coefficients of the heat flux times the step's length.
 fn advanced(step: Decay, mode: f32, flux: vec3<f32>) -> f32 {
     return fma(step.factor, mode, dot(step.moments, flux));
+}
+
+// A record raised to the greatest value of a cubic.
+fn raised(record: f32, cubic: Cubic) -> f32 {
+    if (stays_below(cubic, record)) {
+        return record;
+    }
+    return max(record, maximum(cubic).value);
 }

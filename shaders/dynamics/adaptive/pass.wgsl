@@ -6,14 +6,19 @@ override SHORTEST_STEP: f32;
 // Pressure beyond which the contact has run away.
 override PRESSURE_BOUND: f32;
 
-// A trial with an error above this many tolerances is tried again.
+// The error of the pressure is relative down to this pressure, and absolute below.
 override PRESSURE_FLOOR: f32;
+
+// A trial is tried again where its error calls for a step of this part of it or less.
 override REJECTED: f32;
 
-// Error of a trial in tolerances, and the factor by which the next step is longer.
-struct TrialError {
-    in_tolerances: f32,
-    growth: f32,
+// Part of the step with just the tolerated error that is tried next.
+override SAFETY: f32;
+
+// The drive over a step, and what its phase grows by.
+struct Turned {
+    drive: Drive,
+    turn: Rotation,
 }
 
 // sin and 1 - cos of an angle.
@@ -31,16 +36,18 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
 
     let elapsed = f32(TICKS - (*orbit).left) * system.tick;
     let start = begin(orbit, system);
-    let drive = orbit_drive(orbit, system, length, h, elapsed);
+    let turned = orbit_drive(orbit, system, length, h, elapsed);
+    let drive = turned.drive;
     let memory = memory_new(h);
     let time = vec3(NODE_0, NODE_1, 1.0) * h + (*orbit).since;
     let guess = fma(fma(vec3((*orbit).guess_2), time, vec3((*orbit).guess_1)), time, vec3((*orbit).guess_0));
-    let trial = solve(rubbing, start, drive, memory, guess);
+    let trial = solve(rubbing, start, drive, memory, guess, run.newton);
 
     // what the trial calls for: a part of itself, if it is to be tried again
-    let error = trial_error(orbit, rubbing, start, trial, h);
+    let growth = orbit_growth(orbit, rubbing, start, trial, h);
     let cut = orbit_cut(orbit, rubbing, start, trial);
-    let kept = cut.stays && trial.converged && is_below(error.in_tolerances, REJECTED);
+    let kept = cut.stays && trial.converged && is_below(REJECTED, growth) && is_below(growth, LARGEST);
+    let longer = clamp(growth * SAFETY, 0.2, 3.0);
     // whatever has converged guesses the next; what has not is forgotten
     (*orbit).guess_0 = start.acceleration;
     (*orbit).guess_1 = 0.0;
@@ -53,22 +60,21 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
         (*orbit).guess_0 = curve[0];
         (*orbit).guess_1 = curve[1] * inverse_h;
         (*orbit).guess_2 = curve[2] * inverse_h * inverse_h;
-        // a cut is exact enough only where the trial is
-        next = length * select(min(error.growth, 0.9), cut.part, cut.part < 1.0);
+        next = length * min(select(longer, cut.part, cut.part < 1.0), 0.9);
     }
     if (kept) {
         (*orbit).since = h;
         if (carries && ((*orbit).lost_periods < 0.0 || system.lasts)) {
             carry(orbit, system, start, trial, memory, h);
         }
-        keep(orbit, system, start, drive, trial, memory, h, elapsed);
+        keep(orbit, system, start, turned, trial, memory, h, elapsed);
         (*orbit).left -= ticks;
     }
 
     let moved = orbit_switch(orbit, rubbing, start, trial);
     if (kept) {
         // a step cut short by the end of the period says nothing of the next one
-        let free = select(length * error.growth, (*orbit).step, length < (*orbit).step);
+        let free = select(length * longer, (*orbit).step, length < (*orbit).step);
         next = select(free, length * moved, 0.0 < moved);
     }
     (*orbit).step = f32(u32(clamp(next, 0.0, run.longest)));
@@ -76,8 +82,8 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
 }
 
 // Shaft speed and fit over a step of `h`: growth since its start, at the nodes. Growth, not values, so that the digits
-// of v are kept.
-fn orbit_drive(orbit: ptr<function, Orbit>, system: System, ticks: f32, h: f32, elapsed: f32) -> Drive {
+// of v are kept. With sine and 1 - cosine of what the drive's phase grows by.
+fn orbit_drive(orbit: ptr<function, Orbit>, system: System, ticks: f32, h: f32, elapsed: f32) -> Turned {
     let angle = ticks * (TAU / f32(TICKS));
     let first = rotation(angle * NODE_0);
     let second = rotation(angle * NODE_1);
@@ -91,23 +97,25 @@ fn orbit_drive(orbit: ptr<function, Orbit>, system: System, ticks: f32, h: f32, 
         growth = vec3(fit(system, fma(NODE_0, h, now)), fit(system, fma(NODE_1, h, now)), fit(system, now + h))
             - fit(system, now);
     }
-    return Drive(h, speed, growth);
+    return Turned(Drive(h, speed, growth), last);
 }
 
-fn trial_error(orbit: ptr<function, Orbit>, rubbing: Rubbing, start: Start, trial: Trial, h: f32) -> TrialError {
+// The factor by which a trial would be longer if its error were just the tolerance.
+fn orbit_growth(orbit: ptr<function, Orbit>, rubbing: Rubbing, start: Start, trial: Trial, h: f32) -> f32 {
     // the quadratics extrapolated to the start miss the values there; a stiff motion forgets the error
-    let unforgotten = h * ERROR_WEIGHT;
-    let rate = fma(rubbing.epsilon * start.pressure, friction_slope(rubbing, (*orbit).v), rubbing.damping);
-    let weight = unforgotten / fma(unforgotten, max(rate, 0.0), 1.0);
+    let weight = h * ERROR_WEIGHT;
+    let slope = friction_slope(rubbing, start.piece, (*orbit).v);
+    let rate = fma(rubbing.epsilon * start.pressure, slope, rubbing.damping);
+    let forgets = fma(weight, max(rate, 0.0), 1.0);
     let inside = abs((*orbit).piece - 1.5) < 1.0;
     let scale = select(1.0, min(rubbing.epsilon_0, 1.0), inside);
-    let motion = abs(start.acceleration - parabola(trial.acceleration)[0]) * weight / scale;
-    let missed = abs(start.flux - parabola(trial.flux)[0]);
-    let heat = missed * weight * rubbing.two_gamma / (abs(start.pressure) + PRESSURE_FLOOR);
-    let error = max(motion, heat) / run.tolerance;
+    let pressure = abs(start.pressure) + PRESSURE_FLOOR;
+    let motion = abs(start.acceleration - parabola(trial.acceleration)[0]) * pressure;
+    let heat = abs(start.flux - parabola(trial.flux)[0]) * rubbing.two_gamma * scale;
+    let allowed = run.tolerance * forgets * pressure * scale;
     // the estimate is of order 3: its error grows with the fourth power of the step
-    let growth = 0.9 / sqrt(sqrt(max(error, 1e-12)));
-    return TrialError(error, clamp(growth, 0.2, 3.0));
+    let error = max(max(motion, heat) * weight, 1e-12 * allowed);
+    return sqrt(sqrt(allowed / error));
 }
 
 // Gives the orbit up if its step has become too short or its state is no longer a number of this world.
@@ -124,11 +132,11 @@ fn give_up(orbit: ptr<function, Orbit>) {
 // sin and 1 - cos of an angle of 0 to 2 pi/16, by their series: no digits are lost in either.
 fn rotation(angle: f32) -> Rotation {
     let square = angle * angle;
-    var sine = fma(square, -1.0 / 42.0, 1.0);
-    sine = fma(square * (-1.0 / 20.0), sine, 1.0);
-    sine = fma(square * (-1.0 / 6.0), sine, 1.0);
-    var versine = fma(square, -1.0 / 56.0, 1.0);
-    versine = fma(square * (-1.0 / 30.0), versine, 1.0);
-    versine = fma(square * (-1.0 / 12.0), versine, 1.0);
-    return Rotation(angle * sine, square * 0.5 * versine);
+    var sine = fma(square, -1.0 / 5040.0, 1.0 / 120.0);
+    sine = fma(sine, square, -1.0 / 6.0);
+    sine = fma(sine, square, 1.0);
+    var versine = fma(square, -1.0 / 40320.0, 1.0 / 720.0);
+    versine = fma(versine, square, -1.0 / 24.0);
+    versine = fma(versine, square, 0.5);
+    return Rotation(angle * sine, square * versine);
 }

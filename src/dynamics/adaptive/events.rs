@@ -3,7 +3,7 @@
 //! Owns the search for these ends and the passage to the next piece of the friction law; takes no steps. Twin:
 //! `shaders/dynamics/adaptive/events.wgsl`.
 
-use super::Orbit;
+use super::{Control, Orbit};
 use crate::dynamics::decay::single;
 use crate::dynamics::dense::Cubic;
 use crate::dynamics::matrix::at_nodes;
@@ -11,15 +11,16 @@ use crate::dynamics::radau::{NODES, Start, Trial};
 use crate::lanes::{Mask, Real};
 use crate::model::rubbing::Rubbing;
 
-/// Near a boundary of the friction layer, in half-widths of the layer: how far beyond it a step is cut, how far beyond
-/// the cut aims, and from how far before it a lane that is on its way out is taken to have reached the next piece. Between
-/// these a lane may turn without chatter, and the tangent misses no more of the layer than that.
-pub const CUT: f64 = 2e-3;
-pub const AIM: f64 = 5e-4;
-pub const REACHED: f64 = 5e-4;
+/// How far beyond a boundary of the friction layer a step is cut, in units of [`Control::reach`]. The cut aims at a reach
+/// beyond, and a lane on its way out has come to the next piece from a reach before the boundary on: between these it may
+/// turn without chatter.
+pub const CUT: f64 = 4.0;
 
-/// Bounds of a sliding velocity that meets no boundary.
-const FAR: f64 = 1e30;
+/// Part of the layer's half-width that is tried first in it.
+pub const FIRST_PART: f64 = 0.3;
+
+/// Stands for infinity: bounds of a sliding velocity that meets no boundary.
+pub(super) const FAR: f64 = 1e30;
 
 impl<R: Real> Orbit<R> {
     #[inline(always)]
@@ -33,24 +34,30 @@ impl<R: Real> Orbit<R> {
     /// Whether the trial stays on its piece of the friction law and in its state of contact; else the part of it that
     /// does.
     #[inline(always)]
-    pub(super) fn cut(&self, rubbing: &Rubbing<R>, start: &Start<R>, trial: &Trial<R>) -> (R, R::Mask) {
+    pub(super) fn cut(
+        &self,
+        rubbing: &Rubbing<R>,
+        control: &Control<R>,
+        start: &Start<R>,
+        trial: &Trial<R>,
+    ) -> (R, R::Mask) {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let mut part = one;
         let mut stays = running_mask::<R>();
 
         let [low, high] = self.bounds(rubbing);
-        let margin = R::splat(CUT) * rubbing.epsilon_0;
+        let reach = control.reach * rubbing.epsilon_0;
+        let margin = R::splat(CUT) * reach;
         let (lowest, highest) = (low - margin, high + margin);
         let [first, second, last] = at_nodes!(i => lowest.less(trial.v[i]).and(trial.v[i].less(highest)));
         let inside = first.and(second).and(last);
         if !inside.all() {
-            let aim = R::splat(AIM) * rubbing.epsilon_0;
             let cubic = Cubic::new(start.v, trial.v);
             // the first node beyond, and the one before it
             let from = R::select(first, R::select(second, R::splat(NODES[1]), R::splat(NODES[0])), zero);
             let to = R::select(first, R::select(second, one, R::splat(NODES[1])), R::splat(NODES[0]));
             let v = R::select(first, R::select(second, trial.v[2], trial.v[1]), trial.v[0]);
-            let level = R::select(v.less(low), low - aim, high + aim);
+            let level = R::select(v.less(low), low - reach, high + reach);
             let crossing = cubic.crossing(level, from, to).max(R::splat(1e-3));
             part = R::select(inside, one, crossing);
             stays = stays.and(inside);
@@ -91,23 +98,28 @@ impl<R: Real> Orbit<R> {
 
     /// Moves a lane to the piece that it has reached; returns the factor for its next step, 0 where it has not moved.
     #[inline(always)]
-    pub(super) fn switch(&mut self, rubbing: &Rubbing<R>, start: &Start<R>, trial: &Trial<R>) -> R {
+    pub(super) fn switch(
+        &mut self,
+        rubbing: &Rubbing<R>,
+        control: &Control<R>,
+        start: &Start<R>,
+        trial: &Trial<R>,
+    ) -> R {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let [low, high] = self.bounds(rubbing);
-        let reached = R::splat(REACHED) * rubbing.epsilon_0;
-        let up = (high - reached).less(self.v).and(start.v.less(self.v));
-        let down = self.v.less(low + reached).and(self.v.less(start.v));
+        let reach = control.reach * rubbing.epsilon_0;
+        let up = (high - reach).less(self.v).and(start.v.less(self.v));
+        let down = self.v.less(low + reach).and(self.v.less(start.v));
         let moved = up.or(down);
         if R::select(moved, one, zero).less(R::splat(0.5)).all() {
             return zero;
         }
         self.piece = R::select(up, self.piece + one, R::select(down, self.piece - one, self.piece));
-        // entering the layer, the next boundary is a layer's half-width away at most; leaving it, what limited the step
-        // is gone
+        // in the layer, a part of the way across its half; leaving it, what limited the step is gone
         let inside = (self.piece - R::splat(1.5)).abs().less(one);
         // v' through the last two nodes is good enough for the length of a step
         let slid = (trial.v[2] - trial.v[1]).abs().max(R::splat(1e-20)) * R::splat(1.0 / (1.0 - NODES[1]));
-        let entering = (R::splat(1.1) * rubbing.epsilon_0 / slid).min(R::splat(64.0));
+        let entering = (R::splat(FIRST_PART) * rubbing.epsilon_0 / slid).min(R::splat(64.0));
         R::select(moved, R::select(inside, entering, R::splat(4.0)), zero)
     }
 }

@@ -2,14 +2,16 @@
 //!
 //! Owns the peaks and times of an instance's contact. Twin: `shaders/dynamics/adaptive/kept.wgsl`.
 
-use std::f64::consts::TAU;
-
-use super::pass::rotation;
+use super::events::FAR;
 use super::{Orbit, Scratch, System};
+use crate::dynamics::decay::decay;
 use crate::dynamics::dense::Cubic;
 use crate::dynamics::matrix::at_nodes;
 use crate::dynamics::radau::{self, Drive, Heat, Memory, ModeStep, Start, Trial};
 use crate::lanes::{Mask, Real};
+
+/// Parts that the surface temperature within a step may be off by, where it is not computed anew.
+pub const ROUGH: f64 = 2e-3;
 
 /// What an instance's run has shown of its contact.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +47,7 @@ impl<R: Real> Orbit<R> {
         peaks: &mut Peaks<R>,
         start: &Start<R>,
         drive: &Drive<R>,
+        turn: [R; 2],
         trial: &Trial<R>,
         memory: &Memory<R>,
         steps: &Scratch<R>,
@@ -52,33 +55,18 @@ impl<R: Real> Orbit<R> {
         elapsed: R,
         kept: R::Mask,
     ) {
-        let coefficients = radau::parabola(trial.flux);
-        let heat = memory.end(coefficients);
-        let flux = at_nodes!(k => coefficients[k] * h);
+        let flux = radau::parabola(trial.flux);
+        let heat = memory.end(flux);
+        self.peaks_of(system, peaks, start, trial, flux, heat, h, elapsed, kept);
+        let put_in = at_nodes!(k => flux[k] * h);
         for (m, step) in steps.iter().enumerate() {
-            self.modes[m] = R::select(kept, advanced(step, self.modes[m], flux), self.modes[m]);
+            self.modes[m] = R::select(kept, advanced(step, self.modes[m], put_in), self.modes[m]);
         }
 
-        let (pressure, part) = Cubic::new(start.pressure, trial.pressure).maximum();
-        let higher = kept.and(peaks.pressure.less(pressure));
-        peaks.pressure = R::select(higher, pressure, peaks.pressure);
-        let time = [self.periods, part.mul_add(h, elapsed)];
-        peaks.pressure_time = [
-            R::select(higher, time[0], peaks.pressure_time[0]),
-            R::select(higher, time[1], peaks.pressure_time[1]),
-        ];
-        let falloff = trial.falloff(&system.rubbing, start, h, heat);
-        let (falloff, _) = Cubic::new(start.heat.falloff, falloff).maximum();
-        let temperature = falloff * system.surface_temperature;
-        peaks.temperature = R::select(kept, temperature.max(peaks.temperature), peaks.temperature);
-
-        let (highest, _) = Cubic::new(start.x, trial.x).maximum();
-        let (lowest, _) = Cubic::new(-start.x, at_nodes!(i => -trial.x[i])).maximum();
         let [x_min, x_max] = self.extremes;
-        self.extremes = [
-            R::select(kept, x_min.min(-lowest), x_min),
-            R::select(kept, x_max.max(highest), x_max),
-        ];
+        let lowest = Cubic::new(-start.x, at_nodes!(i => -trial.x[i]));
+        let highest = Cubic::new(start.x, trial.x);
+        self.extremes = [-raised(-x_min, &lowest, kept), raised(x_max, &highest, kept)];
 
         self.fit = R::select(kept, self.fit + drive.fit[2] - trial.worn(&system.rubbing, h), self.fit);
         self.x = R::select(kept, trial.x[2], self.x);
@@ -87,8 +75,7 @@ impl<R: Real> Orbit<R> {
             pressure: R::select(kept, heat.pressure, self.heat.pressure),
             falloff: R::select(kept, heat.falloff, self.heat.falloff),
         };
-        let angle = h / system.period * R::splat(TAU);
-        let (sine, versine) = rotation(angle);
+        let [sine, versine] = turn;
         let (sin, cos) = (self.sin, self.cos);
         self.sin = R::select(kept, sin + (cos * sine - sin * versine), sin);
         self.cos = R::select(kept, cos - (sin * sine + cos * versine), cos);
@@ -110,6 +97,59 @@ impl<R: Real> Orbit<R> {
         self.contact = R::select(changes, one - self.contact, self.contact);
         self.piece = R::select(changes, self.piece_of(&system.rubbing), self.piece);
     }
+
+    /// Takes note of what a step shows of the pressure and of the surface temperature, whose heat flux has the
+    /// coefficients `flux` and which ends with `heat`.
+    #[allow(clippy::too_many_arguments, reason = "the parts of one pass")]
+    #[inline(always)]
+    fn peaks_of(
+        &self,
+        system: &System<R>,
+        peaks: &mut Peaks<R>,
+        start: &Start<R>,
+        trial: &Trial<R>,
+        flux: [R; 3],
+        heat: Heat<R>,
+        h: R,
+        elapsed: R,
+        kept: R::Mask,
+    ) {
+        let far = R::splat(FAR);
+        let pressure = Cubic::new(start.pressure, trial.pressure);
+        if !pressure.stays_below(R::select(kept, peaks.pressure, far)).all() {
+            let (highest, part) = pressure.maximum();
+            let higher = kept.and(peaks.pressure.less(highest));
+            peaks.pressure = R::select(higher, highest, peaks.pressure);
+            let time = [self.periods, part.mul_add(h, elapsed)];
+            peaks.pressure_time = [
+                R::select(higher, time[0], peaks.pressure_time[0]),
+                R::select(higher, time[1], peaks.pressure_time[1]),
+            ];
+        }
+        // within the step the temperature is known roughly: it is computed anew where it may be the greatest
+        let rough = Cubic::new(start.heat.falloff, trial.falloff(&system.rubbing, start, h, heat));
+        let to_beat = peaks.temperature / system.surface_temperature * R::splat(1.0 - ROUGH);
+        if !rough.stays_below(R::select(kept, to_beat, far)).all() {
+            let (_, part) = rough.maximum();
+            let temperature = self.falloff_within(system, flux, part, h) * system.surface_temperature;
+            peaks.temperature = R::select(kept, peaks.temperature.max(temperature), peaks.temperature);
+        }
+    }
+
+    /// The surface temperature's sum w_m r_m q_m after a part of a step, whose heat flux has the coefficients `flux`.
+    #[inline(always)]
+    fn falloff_within(&self, system: &System<R>, flux: [R; 3], part: R, h: R) -> R {
+        let h = part * h;
+        let inverse_h = R::splat(1.0) / h;
+        let put_in = [flux[0] * h, flux[1] * part * h, flux[2] * part * part * h];
+        let mut falloff = R::splat(0.0);
+        for (m, mode) in self.modes.iter().enumerate() {
+            let step = decay(system.rates[m] * h, system.inverse_rates[m] * inverse_h);
+            let faster = system.weights[m] * system.rates[m];
+            falloff = faster.mul_add(advanced(&step, *mode, put_in), falloff);
+        }
+        falloff
+    }
 }
 
 /// A mode after a step; `flux` are the coefficients of the heat flux times the step's length.
@@ -119,4 +159,14 @@ pub(super) fn advanced<R: Real>(step: &ModeStep<R>, mode: R, flux: [R; 3]) -> R 
         mode,
         step.moments[0].mul_add(flux[0], step.moments[1].mul_add(flux[1], step.moments[2] * flux[2])),
     )
+}
+
+/// A record raised to the greatest value of a cubic in lanes that are kept.
+#[inline(always)]
+fn raised<R: Real>(record: R, cubic: &Cubic<R>, kept: R::Mask) -> R {
+    if cubic.stays_below(R::select(kept, record, R::splat(FAR))).all() {
+        return record;
+    }
+    let (highest, _) = cubic.maximum();
+    R::select(kept, record.max(highest), record)
 }

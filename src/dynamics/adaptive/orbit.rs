@@ -86,6 +86,7 @@ impl<R: Real> Orbit<R> {
         let speed = system.rubbing.zeta_k.mul_add(self.sin, system.rubbing.omega_k);
         Start::new(
             &system.rubbing,
+            system.rubbing.piece(self.piece),
             self.x,
             self.v,
             speed,

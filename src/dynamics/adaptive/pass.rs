@@ -27,8 +27,11 @@ pub const FIRST_STEP: u32 = TICKS / 4096;
 /// as with a ramp, keeps its relative errors.
 pub const PRESSURE_FLOOR: f64 = 1e-2;
 
-/// A trial with an error above this many tolerances is tried again.
-pub const REJECTED: f64 = 1.5;
+/// A trial is tried again where its error calls for a step of this part of it or less.
+pub const REJECTED: f64 = 0.9;
+
+/// Part of the step with just the tolerated error that is tried next.
+pub const SAFETY: f64 = 0.8;
 
 impl<R: Real> Orbit<R> {
     /// Tries one step in every lane.
@@ -52,7 +55,7 @@ impl<R: Real> Orbit<R> {
 
         let elapsed = (R::splat(f64::from(self.to)) - left) * system.tick;
         let start = self.begin(system);
-        let drive = self.drive(system, ticks, h, elapsed);
+        let (drive, turn) = self.drive(system, ticks, h, elapsed);
         let memory = Memory::new(
             h,
             &system.rates,
@@ -65,17 +68,17 @@ impl<R: Real> Orbit<R> {
             let time = R::splat(NODES[i]).mul_add(h, self.since);
             self.guess[2].mul_add(time, self.guess[1]).mul_add(time, self.guess[0])
         });
-        let trial = radau::solve(rubbing, &start, &drive, &memory, guess);
+        let trial = radau::solve(rubbing, &start, &drive, &memory, guess, control.newton);
 
         // what the trial calls for: a part of itself, if it is to be tried again
-        let (error, growth) = self.error(rubbing, control, &start, &trial, h);
-        let (shorter, kept) = self.cut(rubbing, &start, &trial);
-        let kept = kept.and(trial.converged).and(error.less(R::splat(REJECTED)));
+        let growth = self.growth(rubbing, control, &start, &trial, h);
+        let (shorter, stays) = self.cut(rubbing, control, &start, &trial);
+        let kept = stays.and(trial.converged).and(R::splat(REJECTED).less(growth));
         let kept = kept.and(running);
+        let longer = (growth * R::splat(SAFETY)).max(R::splat(0.2)).min(R::splat(3.0));
         let again = R::select(
             trial.converged,
-            // a cut is exact enough only where the trial is
-            R::select(shorter.less(one), shorter, growth.min(R::splat(0.9))),
+            R::select(shorter.less(one), shorter, longer).min(R::splat(0.9)),
             R::splat(0.25),
         );
         // whatever has converged guesses the next; what has not is forgotten
@@ -93,13 +96,13 @@ impl<R: Real> Orbit<R> {
             self.carry(system, &start, &trial, &memory, tangent, scratch, h, kept.and(alive));
         }
         self.keep(
-            system, peaks, &start, &drive, &trial, &memory, scratch, h, elapsed, kept,
+            system, peaks, &start, &drive, turn, &trial, &memory, scratch, h, elapsed, kept,
         );
         self.left = self.left.minus(R::select(kept, ticks, zero).to_ticks());
 
-        let moved = self.switch(rubbing, &start, &trial);
+        let moved = self.switch(rubbing, control, &start, &trial);
         // a step cut short by the end of the period says nothing of the next one
-        let free = R::select(ticks.less(self.step), self.step, ticks * growth);
+        let free = R::select(ticks.less(self.step), self.step, ticks * longer);
         let next = R::select(kept, R::select(zero.less(moved), ticks * moved, free), ticks * again);
         let next = R::from_ticks(next.min(control.longest).max(zero).to_ticks());
         self.step = R::select(running, next, self.step);
@@ -107,19 +110,17 @@ impl<R: Real> Orbit<R> {
     }
 
     /// Shaft speed and fit over a step of `h`: growth since its start, at the nodes. Growth, not values, so that f32
-    /// keeps the digits of v.
+    /// keeps the digits of v. With sine and 1 - cosine of what the drive's phase grows by.
     #[inline(always)]
-    fn drive(&self, system: &System<R>, ticks: R, h: R, elapsed: R) -> Drive<R> {
+    fn drive(&self, system: &System<R>, ticks: R, h: R, elapsed: R) -> (Drive<R>, [R; 2]) {
         let mut drive = Drive {
             h,
             speed: [R::splat(0.0); 3],
             fit: [R::splat(0.0); 3],
         };
         let angle = ticks * R::splat(TAU / f64::from(TICKS));
-        for i in 0..3 {
-            let (sine, versine) = rotation(angle * R::splat(NODES[i]));
-            drive.speed[i] = system.rubbing.zeta_k * (self.cos * sine - self.sin * versine);
-        }
+        let turns = at_nodes!(i => rotation(angle * R::splat(NODES[i])));
+        drive.speed = at_nodes!(i => system.rubbing.zeta_k * (self.cos * turns[i][0] - self.sin * turns[i][1]));
         if system.ramps {
             let now = self.periods.mul_add(system.period, elapsed);
             let fit = system.fit(now);
@@ -127,26 +128,27 @@ impl<R: Real> Orbit<R> {
                 drive.fit[i] = system.fit(R::splat(NODES[i]).mul_add(h, now)) - fit;
             }
         }
-        drive
+        (drive, turns[2])
     }
 
-    /// Error of a trial in tolerances, and the factor by which the next step is longer.
+    /// The factor by which a trial would be longer if its error were just the tolerance.
     #[inline(always)]
-    fn error(&self, rubbing: &Rubbing<R>, control: &Control<R>, start: &Start<R>, trial: &Trial<R>, h: R) -> (R, R) {
+    fn growth(&self, rubbing: &Rubbing<R>, control: &Control<R>, start: &Start<R>, trial: &Trial<R>, h: R) -> R {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         // the quadratics extrapolated to the start miss the values there; a stiff motion forgets the error
         let weight = h * R::splat(ERROR_WEIGHT);
-        let rate = (rubbing.epsilon * start.pressure).mul_add(rubbing.friction_slope(self.v), rubbing.damping);
-        let weight = weight / weight.mul_add(rate.max(zero), one);
+        let rate =
+            (rubbing.epsilon * start.pressure).mul_add(rubbing.friction_slope(&start.piece, self.v), rubbing.damping);
+        let forgets = weight.mul_add(rate.max(zero), one);
         let inside = (self.piece - R::splat(1.5)).abs().less(one);
         let scale = R::select(inside, rubbing.epsilon_0.min(one), one);
-        let motion = (start.acceleration - radau::parabola(trial.acceleration)[0]).abs() * weight / scale;
-        let heat = (start.flux - radau::parabola(trial.flux)[0]).abs() * weight * rubbing.two_gamma
-            / (start.pressure.abs() + R::splat(PRESSURE_FLOOR));
-        let error = motion.max(heat) / control.tolerance;
+        let pressure = start.pressure.abs() + R::splat(PRESSURE_FLOOR);
+        let motion = (start.acceleration - radau::parabola(trial.acceleration)[0]).abs() * pressure;
+        let heat = (start.flux - radau::parabola(trial.flux)[0]).abs() * rubbing.two_gamma * scale;
+        let allowed = control.tolerance * forgets * pressure * scale;
         // the estimate is of order 3: its error grows with the fourth power of the step
-        let growth = R::splat(0.9) / error.max(R::splat(1e-12)).sqrt().sqrt();
-        (error, growth.max(R::splat(0.2)).min(R::splat(3.0)))
+        let error = (motion.max(heat) * weight).max(R::splat(1e-12) * allowed);
+        (allowed / error).sqrt().sqrt()
     }
 
     /// Gives up lanes whose step has become too short or whose state is no longer a number of this world.
@@ -171,15 +173,26 @@ impl<R: Real> Orbit<R> {
 
 /// sin and 1 - cos of an angle of 0 to 2 pi/16, by their series: no digits are lost in either.
 #[inline(always)]
-pub(super) fn rotation<R: Real>(angle: R) -> (R, R) {
+fn rotation<R: Real>(angle: R) -> [R; 2] {
     let square = angle * angle;
-    let one = R::splat(1.0);
     let terms = if single::<R>() { 4 } else { 7 };
-    let (mut sine, mut versine) = (one, one);
-    for n in (1..terms).rev() {
-        let k = f64::from(2 * n);
-        sine = (square * R::splat(-1.0 / (k * (k + 1.0)))).mul_add(sine, one);
-        versine = (square * R::splat(-1.0 / ((k + 1.0) * (k + 2.0)))).mul_add(versine, one);
+    let [mut sine, mut versine] = ROTATION[terms - 1].map(R::splat);
+    for n in (0..terms - 1).rev() {
+        sine = sine.mul_add(square, R::splat(ROTATION[n][0]));
+        versine = versine.mul_add(square, R::splat(ROTATION[n][1]));
     }
-    (angle * sine, square * R::splat(0.5) * versine)
+    [angle * sine, square * versine]
 }
+
+/// Coefficients of a^(2n) in sin(a)/a and (1 - cos(a))/a^2: (-1)^n/(2n+1)! and (-1)^n/(2n+2)!.
+const ROTATION: [[f64; 2]; 7] = {
+    let mut coefficients = [[1.0, 0.5]; 7];
+    let mut n = 1;
+    while n < coefficients.len() {
+        let k = 2.0 * n as f64;
+        let [sine, versine] = coefficients[n - 1];
+        coefficients[n] = [-sine / (k * (k + 1.0)), -versine / ((k + 1.0) * (k + 2.0))];
+        n += 1;
+    }
+    coefficients
+};

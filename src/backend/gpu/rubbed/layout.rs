@@ -40,17 +40,26 @@ pub struct Run {
     pub unrecorded: u32,
     pub period_tolerance: f32,
     pub tolerance: f32,
+    pub newton: f32,
+    pub reach: f32,
     pub longest: f32,
 }
 
 impl Run {
     pub fn new(settings: &Settings, instances: u32) -> Self {
-        let Control { tolerance, longest } = Control::<f32>::new(settings);
+        let Control {
+            tolerance,
+            newton,
+            reach,
+            longest,
+        } = Control::<f32>::new(settings);
         Self {
             instances,
             unrecorded: settings.periods - stroboscope::window(settings.periods),
             period_tolerance: settings.period_tolerance as f32,
             tolerance,
+            newton,
+            reach,
             longest,
         }
     }

@@ -5,11 +5,12 @@
 use std::fmt::Write as _;
 
 use super::layout;
-use crate::dynamics::adaptive::events::{AIM, CUT, REACHED};
+use crate::dynamics::adaptive::events::{CUT, FIRST_PART};
+use crate::dynamics::adaptive::kept::ROUGH;
 use crate::dynamics::adaptive::orbit::PASS_BUDGET;
-use crate::dynamics::adaptive::pass::{PRESSURE_FLOOR, REJECTED, SHORTEST_STEP};
+use crate::dynamics::adaptive::pass::{PRESSURE_FLOOR, REJECTED, SAFETY, SHORTEST_STEP};
 use crate::dynamics::adaptive::{PRESSURE_BOUND, TICKS};
-use crate::dynamics::radau::{ERROR_WEIGHT, MAX_ITERATIONS, NEWTON_TOLERANCE};
+use crate::dynamics::radau::{ERROR_WEIGHT, MAX_ITERATIONS};
 use crate::dynamics::stroboscope::MAX_PERIOD;
 use crate::dynamics::tangent::SMALLEST_SQUARE;
 use crate::measurement::RUNAWAY_BOUND;
@@ -90,15 +91,15 @@ pub fn constants(workgroup_size: u32, carries_tangent: bool) -> [(&'static str, 
         ("MAX_PERIOD", MAX_PERIOD as f64),
         ("ERROR_WEIGHT", ERROR_WEIGHT),
         ("MAX_ITERATIONS", f64::from(MAX_ITERATIONS)),
-        ("NEWTON_TOLERANCE", NEWTON_TOLERANCE),
         ("TICKS", f64::from(TICKS)),
         ("SHORTEST_STEP", f64::from(SHORTEST_STEP)),
         ("PASS_BUDGET", f64::from(PASS_BUDGET)),
         ("PRESSURE_BOUND", PRESSURE_BOUND),
         ("CUT", CUT),
-        ("AIM", AIM),
-        ("REACHED", REACHED),
+        ("FIRST_PART", FIRST_PART),
         ("PRESSURE_FLOOR", PRESSURE_FLOOR),
         ("REJECTED", REJECTED),
+        ("SAFETY", SAFETY),
+        ("ROUGH", ROUGH),
     ]
 }
