@@ -87,7 +87,7 @@ pub struct Settings {
     pub steps_per_period: Option<u32>,
     /// Heat modes of the shaft, besides the lumped one (12).
     pub modes: u32,
-    /// Error of a step of radau (1e-4): of v in units of 1 outside the friction layer and of its half-width inside it, of
+    /// Error of a step of radau (2e-4): of v in units of 1 outside the friction layer and of its half-width inside it, of
     /// the pressure relative.
     pub tolerance: f64,
     /// Forcing periods before the measurement (300).
@@ -128,13 +128,13 @@ impl Default for Settings {
             scheme: None,
             steps_per_period: None,
             modes: 12,
-            tolerance: 1e-4,
+            tolerance: 2e-4,
             transient_periods: 300,
             align_periods: 50,
             periods: 250,
             decide_early: true,
             renormalise_every: 314,
-            period_tolerance: 1e-4,
+            period_tolerance: 2e-4,
             backend: BackendChoice::Auto,
             precision: None,
             adapter: None,
