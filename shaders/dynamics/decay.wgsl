@@ -17,11 +17,13 @@ struct Decay {
 
 // The decay of a mode of rate `z` >= 0 (rate times length of the step), given 1/z as well.
 fn decay(z: f32, inverse_z: f32) -> Decay {
-    if (z < SERIES_BOUND) {
-        return by_series(z);
-    }
+    let slow = z < SERIES_BOUND;
     // of a fast mode the series gives e^{-z/64}: the built-in function may be off by more than the pressure can bear
-    return by_recursion(by_series(min(z, LARGEST_DECAY) * (1.0 / 64.0)).factor, inverse_z);
+    let series = by_series(select(min(z, LARGEST_DECAY) * (1.0 / 64.0), z, slow));
+    if (slow) {
+        return series;
+    }
+    return by_recursion(series.factor, inverse_z);
 }
 
 // I_2 = sum_n (-z)^n 2!/(n+3)!, then downwards by I_{k-1} = (1 - z I_k)/k, which is stable for small z.
