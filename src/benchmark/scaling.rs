@@ -100,7 +100,7 @@ fn points(count: usize) -> Result<Vec<ParameterSet>, AxisError> {
             Axis::new(Parameter::ZetaK, 0.0, 12.0, side)?,
             Axis::new(Parameter::H1, 0.0, 2.0, count / side)?,
         ],
-        fixed: ParameterSet::default(),
+        fixed: ParameterSet::default().into(),
     };
     Ok((0..grid.len()).map(|index| grid.point(index)).collect())
 }

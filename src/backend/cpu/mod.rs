@@ -30,7 +30,7 @@ use crate::lanes::x86::{F32x8, F32x16, F64x4, F64x8};
 /// Vectors in flight of rk4 with tangent vectors; measured on AVX-512, as are the next two.
 const RK4_IN_FLIGHT: usize = 2;
 /// Groups of so many vectors that make a block of rk4.
-const RK4_GROUPS: usize = 3;
+const RK4_GROUPS: usize = 2;
 
 /// Integrates on all cores of the machine.
 pub struct CpuBackend {
@@ -206,6 +206,22 @@ trait Instructions: 'static {
     unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice);
 }
 
+/// A local variable as long as a cache line, and aligned to one.
+///
+/// The compiler aligns a function's stack for variables, but not for vectors that it puts aside because registers run out:
+/// without such a variable most of these straddle two cache lines, and every access to them takes twice as long.
+#[cfg(all(target_arch = "x86_64", not(test)))]
+#[repr(align(64))]
+struct CacheLine([u8; 64]);
+
+#[cfg(all(target_arch = "x86_64", not(test)))]
+macro_rules! align_stack {
+    () => {
+        let line = CacheLine([0; 64]);
+        std::hint::black_box(&line.0);
+    };
+}
+
 #[cfg(all(target_arch = "x86_64", not(test)))]
 struct Avx512;
 #[cfg(all(target_arch = "x86_64", not(test)))]
@@ -216,10 +232,12 @@ struct Portable;
 impl Instructions for Avx512 {
     #[target_feature(enable = "avx512f,avx2,fma")]
     unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        align_stack!();
         block.advance_plain(run, slice);
     }
     #[target_feature(enable = "avx512f,avx2,fma")]
     unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        align_stack!();
         block.advance(run, slice);
     }
 }
@@ -228,10 +246,12 @@ impl Instructions for Avx512 {
 impl Instructions for Avx2 {
     #[target_feature(enable = "avx2,fma")]
     unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        align_stack!();
         block.advance_plain(run, slice);
     }
     #[target_feature(enable = "avx2,fma")]
     unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
+        align_stack!();
         block.advance(run, slice);
     }
 }
