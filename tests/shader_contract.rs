@@ -178,6 +178,11 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
         "there are no lanes to wait for",
     ),
     ("dynamics/tangent", "start", "the host starts the vectors"),
+    (
+        "dynamics/taylor/growth",
+        "close_first",
+        "kernels always carry both vectors",
+    ),
     ("dynamics/tangent", "along", "the host starts the vectors"),
     ("dynamics/tangent", "from_lanes", "threads have no lanes"),
     ("dynamics/tangent", "lane", "threads have no lanes"),

@@ -37,8 +37,8 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
     let stepped = step_with_tangent(motion, h, sample.speed, sample.state, sample.bases);
     let orthonormal = orthonormalise(sample.bases);
     probes[thread.x] = Probe(
-        force(motion.friction, v), slope(motion.friction, v),
-        linearised(motion, sample.state.x, sample.state.y, sample.speed.start),
+        plus_force(motion.friction, 0.0, v), slope(motion.friction, v),
+        linearised(motion, sample.state.x, sample.speed.start - sample.state.y, sample.speed.start),
         rk4_step(motion, h, sample.speed, sample.state), stepped.state, stepped.bases, stepped.divergence,
         orthonormal.bases, orthonormal.growth,
     );
@@ -107,7 +107,8 @@ fn expected(sample: &[f32; INPUTS]) -> ([f32; OUTPUTS], [f32; OUTPUTS]) {
         x2,
         y2,
     ] = sample;
-    let friction = Friction::<f32>::new(epsilon, f_0, alpha, beta, epsilon_0);
+    // as the motion has it, with the damping in its linear term
+    let friction = Friction::<f32>::new(epsilon, f_0, alpha - h1, beta, epsilon_0);
     let motion = Motion::<f32>::new(|parameter| match parameter {
         Parameter::ZetaK => zeta_k,
         Parameter::H1 => h1,
@@ -127,14 +128,15 @@ fn expected(sample: &[f32; INPUTS]) -> ([f32; OUTPUTS], [f32; OUTPUTS]) {
         first: Vector { x: x1, y: y1 },
         second: Vector { x: x2, y: y2 },
     };
-    let linearised = motion.linearised(x, y, start);
+    let linearised = motion.linearised(x, start - y, start);
     let stepped = rk4::step(&motion, &h, speed, state);
-    let (with_tangent, tangent, divergence) = rk4::step_with_tangent(&motion, &h, speed, state, bases);
+    let (with_tangent, tangent, divergence) =
+        rk4::step_with_tangent(&motion, &h, speed, state, [bases.first, bases.second]);
     let mut orthonormal = bases;
     let growth = orthonormal.orthonormalise();
     let v = start - y;
     let values = [
-        friction.force(v),
+        friction.plus_force(0.0, v),
         friction.slope(v),
         linearised.acceleration,
         linearised.by_x,
@@ -143,10 +145,10 @@ fn expected(sample: &[f32; INPUTS]) -> ([f32; OUTPUTS], [f32; OUTPUTS]) {
         stepped.y,
         with_tangent.x,
         with_tangent.y,
-        tangent.first.x,
-        tangent.first.y,
-        tangent.second.x,
-        tangent.second.y,
+        tangent[0].x,
+        tangent[0].y,
+        tangent[1].x,
+        tangent[1].y,
         divergence,
         orthonormal.first.x,
         orthonormal.first.y,
@@ -157,12 +159,13 @@ fn expected(sample: &[f32; INPUTS]) -> ([f32; OUTPUTS], [f32; OUTPUTS]) {
     ];
 
     let speeds = v.abs() + 3.0 * (middle - start).abs();
-    let force = epsilon * (f_0 + alpha.abs() * speeds + beta.abs() * speeds.powi(3));
+    let linear = alpha.abs() + h1.abs();
+    let force = epsilon * (f_0 + linear * speeds + beta.abs() * speeds.powi(3));
     let layer = 2.0 * epsilon * f_0 / epsilon_0;
-    let slope = layer + epsilon * (alpha.abs() + 3.0 * beta.abs() * speeds * speeds);
+    let slope = layer + epsilon * (linear + 3.0 * beta.abs() * speeds * speeds);
     let by_x = 1.0 + 3.0 * b.abs() * x * x;
     let by_y = slope + epsilon * h1.abs();
-    let acceleration = x.abs() * by_x + epsilon * h1.abs() * y.abs() + force;
+    let acceleration = x.abs() * by_x + epsilon * h1.abs() * start.abs() + force;
     // at later stages v itself is rounded, which the layer's steepness makes more of
     let rounded_v = start.abs() + y.abs() + step * acceleration;
     let acceleration_later = acceleration + slope * rounded_v;

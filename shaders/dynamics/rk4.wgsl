@@ -57,15 +57,21 @@ fn y_end(h: StepSize, y: f32, k1: f32, k2: f32, k3: f32, k4: f32) -> f32 {
     return fma(fma(2.0, k2 + k3, k1 + k4), h.sixth, y);
 }
 
+// The speeds less that of the bush at the start of the step.
+fn less(speed: StageSpeeds, y: f32) -> StageSpeeds {
+    return StageSpeeds(speed.start - y, speed.middle - y, speed.end - y);
+}
+
 // One step of the motion.
 fn rk4_step(motion: Motion, h: StepSize, speed: StageSpeeds, state: State) -> State {
     let x = state.x;
     let y = state.y;
-    let k1 = acceleration(motion, x, y, speed.start);
+    let v = less(speed, y);
+    let k1 = acceleration(motion, x, v.start, speed.start);
     let at_2 = x2(h, x, y);
-    let k2 = acceleration(motion, at_2, fma(k1, h.half, y), speed.middle);
-    let k3 = acceleration(motion, x3(h, at_2, k1), fma(k2, h.half, y), speed.middle);
-    let k4 = acceleration(motion, x4(h, x, y, k2), fma(k3, h.whole, y), speed.end);
+    let k2 = acceleration(motion, at_2, fma(k1, -h.half, v.middle), speed.middle);
+    let k3 = acceleration(motion, x3(h, at_2, k1), fma(k2, -h.half, v.middle), speed.middle);
+    let k4 = acceleration(motion, x4(h, x, y, k2), fma(k3, -h.whole, v.end), speed.end);
     return State(x_end(h, x, y, k1, k2, k3), y_end(h, y, k1, k2, k3, k4));
 }
 
@@ -77,28 +83,29 @@ fn step_with_tangent(motion: Motion, h: StepSize, speed: StageSpeeds, state: Sta
     let second = bases.second;
 
     // every stage is used up as soon as it is known, so that little has to be held in registers
-    let f1 = linearised(motion, x, y, speed.start);
+    let v = less(speed, y);
+    let f1 = linearised(motion, x, v.start, speed.start);
     let a1 = rate(first, f1);
     let b1 = rate(second, f1);
     let at_2 = x2(h, x, y);
     let first_2 = Vector(x2(h, first.x, first.y), fma(a1, h.half, first.y));
     let second_2 = Vector(x2(h, second.x, second.y), fma(b1, h.half, second.y));
 
-    let f2 = linearised(motion, at_2, fma(f1.acceleration, h.half, y), speed.middle);
+    let f2 = linearised(motion, at_2, fma(f1.acceleration, -h.half, v.middle), speed.middle);
     let a2 = rate(first_2, f2);
     let b2 = rate(second_2, f2);
     let at_3 = x3(h, at_2, f1.acceleration);
     let first_3 = Vector(x3(h, first_2.x, a1), fma(a2, h.half, first.y));
     let second_3 = Vector(x3(h, second_2.x, b1), fma(b2, h.half, second.y));
 
-    let f3 = linearised(motion, at_3, fma(f2.acceleration, h.half, y), speed.middle);
+    let f3 = linearised(motion, at_3, fma(f2.acceleration, -h.half, v.middle), speed.middle);
     let a3 = rate(first_3, f3);
     let b3 = rate(second_3, f3);
     let at_4 = x4(h, x, y, f2.acceleration);
     let first_4 = Vector(x4(h, first.x, first.y, a2), fma(a3, h.whole, first.y));
     let second_4 = Vector(x4(h, second.x, second.y, b2), fma(b3, h.whole, second.y));
 
-    let f4 = linearised(motion, at_4, fma(f3.acceleration, h.whole, y), speed.end);
+    let f4 = linearised(motion, at_4, fma(f3.acceleration, -h.whole, v.end), speed.end);
     let a4 = rate(first_4, f4);
     let b4 = rate(second_4, f4);
     let k1 = f1.acceleration;

@@ -2,43 +2,47 @@
 
 // Kinetic friction times a constant scale, in the clamped form that needs no branch.
 struct Friction {
-    inverse_epsilon_0: f32,
+    epsilon_0: f32,
     f_0: f32,
     minus_alpha: f32,
     beta: f32,
     two_f_0_over_epsilon_0: f32,
+    minus_f_0_over_epsilon_0_squared: f32,
     three_beta: f32,
 }
 
 fn friction_new(scale: f32, f_0: f32, alpha: f32, beta: f32, epsilon_0: f32) -> Friction {
     let inverse_epsilon_0 = 1.0 / epsilon_0;
     return Friction(
-        inverse_epsilon_0,
+        epsilon_0,
         scale * f_0,
         -(scale * alpha),
         scale * beta,
         2.0 * scale * f_0 * inverse_epsilon_0,
+        -(scale * f_0 * inverse_epsilon_0 * inverse_epsilon_0),
         3.0 * scale * beta,
     );
 }
 
-// Sliding velocity in units of the layer's half-width, clamped to -1..1.
+// Sliding velocity, clamped to the layer.
 fn clamped(friction: Friction, v: f32) -> f32 {
-    return clamp(v * friction.inverse_epsilon_0, -1.0, 1.0);
+    return clamp(v, -friction.epsilon_0, friction.epsilon_0);
 }
 
-// scale * F(v), equations (3.1) and (3.2).
-fn force(friction: Friction, v: f32) -> f32 {
-    let u = clamped(friction, v);
-    let polynomial = v * fma(friction.beta, v * v, friction.minus_alpha);
-    return fma(friction.f_0, u * (2.0 - abs(u)), polynomial);
+// rest + scale * F(v), equations (3.1) and (3.2).
+fn plus_force(friction: Friction, rest: f32, v: f32) -> f32 {
+    let c = clamped(friction, v);
+    let dry = fma(friction.minus_f_0_over_epsilon_0_squared, abs(c), friction.two_f_0_over_epsilon_0);
+    let polynomial = fma(v, fma(friction.beta, v * v, friction.minus_alpha), rest);
+    return fma(c, dry, polynomial);
 }
 
 // scale * F'(v), equation (3.4).
 fn slope(friction: Friction, v: f32) -> f32 {
-    let inside = 1.0 - abs(clamped(friction, v));
-    let polynomial = fma(friction.three_beta, v * v, friction.minus_alpha);
-    return fma(friction.two_f_0_over_epsilon_0, inside, polynomial);
+    let c = clamped(friction, v);
+    let dry = fma(friction.minus_f_0_over_epsilon_0_squared, abs(c), friction.two_f_0_over_epsilon_0);
+    let polynomial = fma(friction.three_beta, v * v, friction.minus_alpha - friction.two_f_0_over_epsilon_0);
+    return fma(2.0, dry, polynomial);
 }
 
 // The law between two neighbouring boundaries -eps0, 0, +eps0 of the layer, where it is a polynomial:
@@ -56,8 +60,8 @@ const NO_BOUNDARY: f32 = 1e30;
 
 // Index of the piece that v lies on, from the left: 0 below -eps0, 1 and 2 in the layer, 3 above eps0.
 fn piece_index(friction: Friction, v: f32) -> f32 {
-    let u = v * friction.inverse_epsilon_0;
-    return select(3.0, select(2.0, select(1.0, 0.0, u < -1.0), u < 0.0), u < 1.0);
+    let epsilon_0 = friction.epsilon_0;
+    return select(3.0, select(2.0, select(1.0, 0.0, v < -epsilon_0), v < 0.0), v < epsilon_0);
 }
 
 // The piece of an index.
@@ -65,13 +69,12 @@ fn friction_piece(friction: Friction, index: f32, epsilon_0: f32) -> Piece {
     let left = index < 1.5;
     let side = select(1.0, -1.0, left);
     let inside = abs(index - 1.5) < 1.0;
-    let curvature = 0.5 * friction.two_f_0_over_epsilon_0 * friction.inverse_epsilon_0;
     let near = select(epsilon_0, 0.0, inside);
     let other = select(NO_BOUNDARY, epsilon_0, inside);
     return Piece(
         select(side * friction.f_0, 0.0, inside),
         friction.minus_alpha + select(0.0, friction.two_f_0_over_epsilon_0, inside),
-        select(0.0, -side * curvature, inside),
+        select(0.0, side * friction.minus_f_0_over_epsilon_0_squared, inside),
         select(near, -other, left),
         select(other, -near, left),
     );

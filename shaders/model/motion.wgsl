@@ -1,7 +1,8 @@
 // The bush's motion under constant contact pressure, equation (3.2), and its linearisation (3.3).
 // Twin: src/model/motion.rs.
 
-// The oscillator x'' = x - b x^3 + eps F(v) - eps h1 y with y = x' and v = (shaft speed) - y.
+// The oscillator x'' = x - b x^3 + eps F(v) - eps h1 y with y = x' and v = (shaft speed) - y. The damping goes into the
+// friction's linear term: -eps h1 y = eps h1 v - eps h1 (shaft speed).
 struct Motion {
     minus_b: f32,
     minus_three_b: f32,
@@ -26,7 +27,7 @@ fn motion_new(value: Parameters) -> Motion {
         -(value.epsilon * value.h1),
         value.omega_k,
         value.zeta_k,
-        friction_new(value.epsilon, value.f_0, value.alpha, value.beta, value.epsilon_0),
+        friction_new(value.epsilon, value.f_0, value.alpha - value.h1, value.beta, value.epsilon_0),
     );
 }
 
@@ -35,17 +36,17 @@ fn shaft_speed(motion: Motion, sin_z: f32) -> f32 {
     return fma(motion.zeta_k, sin_z, motion.omega_k);
 }
 
-// Acceleration of the bush at angle x and angular speed y.
-fn acceleration(motion: Motion, x: f32, y: f32, shaft_speed: f32) -> f32 {
+// Acceleration of the bush at angle x and sliding velocity v.
+fn acceleration(motion: Motion, x: f32, v: f32, shaft_speed: f32) -> f32 {
     let restoring = fma(motion.minus_b, x * x, 1.0);
-    return fma(x, restoring, fma(motion.minus_damping, y, force(motion.friction, shaft_speed - y)));
+    return plus_force(motion.friction, fma(x, restoring, motion.minus_damping * shaft_speed), v);
 }
 
 // Acceleration with its derivatives, for the tangent equations (3.3).
-fn linearised(motion: Motion, x: f32, y: f32, shaft_speed: f32) -> Linearised {
+fn linearised(motion: Motion, x: f32, v: f32, shaft_speed: f32) -> Linearised {
     return Linearised(
-        acceleration(motion, x, y, shaft_speed),
+        acceleration(motion, x, v, shaft_speed),
         fma(motion.minus_three_b, x * x, 1.0),
-        motion.minus_damping - slope(motion.friction, shaft_speed - y),
+        -slope(motion.friction, v),
     );
 }

@@ -3,7 +3,7 @@
 //! Owns one step of the motion, with or without tangent vectors; the drive's clock is [`super::drive`]'s. Twin:
 //! `shaders/dynamics/rk4.wgsl`.
 
-use super::tangent::{Bases, Vector};
+use super::tangent::Vector;
 use crate::lanes::Real;
 use crate::model::motion::Motion;
 
@@ -31,6 +31,18 @@ pub struct StageSpeeds<R> {
     pub start: R,
     pub middle: R,
     pub end: R,
+}
+
+impl<R: Real> StageSpeeds<R> {
+    /// The speeds less that of the bush at the start of the step.
+    #[inline(always)]
+    fn less(&self, y: R) -> Self {
+        Self {
+            start: self.start - y,
+            middle: self.middle - y,
+            end: self.end - y,
+        }
+    }
 }
 
 impl<R: Real> StepSize<R> {
@@ -75,83 +87,69 @@ impl<R: Real> StepSize<R> {
 #[inline(always)]
 pub fn step<R: Real>(motion: &Motion<R>, h: &StepSize<R>, speed: StageSpeeds<R>, state: State<R>) -> State<R> {
     let State { x, y } = state;
-    let k1 = motion.acceleration(x, y, speed.start);
+    let v = speed.less(y);
+    let k1 = motion.acceleration(x, v.start, speed.start);
     let x2 = h.x2(x, y);
-    let k2 = motion.acceleration(x2, k1.mul_add(h.half, y), speed.middle);
-    let k3 = motion.acceleration(h.x3(x2, k1), k2.mul_add(h.half, y), speed.middle);
-    let k4 = motion.acceleration(h.x4(x, y, k2), k3.mul_add(h.whole, y), speed.end);
+    let k2 = motion.acceleration(x2, k1.mul_add(-h.half, v.middle), speed.middle);
+    let k3 = motion.acceleration(h.x3(x2, k1), k2.mul_add(-h.half, v.middle), speed.middle);
+    let k4 = motion.acceleration(h.x4(x, y, k2), k3.mul_add(-h.whole, v.end), speed.end);
     State {
         x: h.x_end(x, y, k1, k2, k3),
         y: h.y_end(y, k1, k2, k3, k4),
     }
 }
 
-/// One step of the motion and of the tangent vectors (3.3) along it; also the divergence integrated over the step.
+/// One step of the motion and of tangent vectors (3.3) along it; also the divergence integrated over the step.
+#[allow(
+    clippy::needless_range_loop,
+    reason = "arrays are walked side by side; a closure would not inherit the caller's instruction set"
+)]
 #[inline(always)]
-pub fn step_with_tangent<R: Real>(
+pub fn step_with_tangent<R: Real, const N: usize>(
     motion: &Motion<R>,
     h: &StepSize<R>,
     speed: StageSpeeds<R>,
     state: State<R>,
-    bases: Bases<R>,
-) -> (State<R>, Bases<R>, R) {
+    vectors: [Vector<R>; N],
+) -> (State<R>, [Vector<R>; N], R) {
     let State { x, y } = state;
-    let Bases { first, second } = bases;
+    let [mut a1, mut a2, mut a3] = [[R::splat(0.0); N]; 3];
+    let (mut at, mut end) = (vectors, vectors);
 
     // every stage is used up as soon as it is known, so that little has to be held in registers
-    let f1 = motion.linearised(x, y, speed.start);
-    let (a1, b1) = (first.rate(&f1), second.rate(&f1));
+    let v = speed.less(y);
+    let f1 = motion.linearised(x, v.start, speed.start);
     let x2 = h.x2(x, y);
-    let first_2 = Vector {
-        x: h.x2(first.x, first.y),
-        y: a1.mul_add(h.half, first.y),
-    };
-    let second_2 = Vector {
-        x: h.x2(second.x, second.y),
-        y: b1.mul_add(h.half, second.y),
-    };
-
-    let f2 = motion.linearised(x2, f1.acceleration.mul_add(h.half, y), speed.middle);
-    let (a2, b2) = (first_2.rate(&f2), second_2.rate(&f2));
+    for n in 0..N {
+        a1[n] = vectors[n].rate(&f1);
+        at[n].x = h.x2(vectors[n].x, vectors[n].y);
+        at[n].y = a1[n].mul_add(h.half, vectors[n].y);
+    }
+    let f2 = motion.linearised(x2, f1.acceleration.mul_add(-h.half, v.middle), speed.middle);
     let x3 = h.x3(x2, f1.acceleration);
-    let first_3 = Vector {
-        x: h.x3(first_2.x, a1),
-        y: a2.mul_add(h.half, first.y),
-    };
-    let second_3 = Vector {
-        x: h.x3(second_2.x, b1),
-        y: b2.mul_add(h.half, second.y),
-    };
-
-    let f3 = motion.linearised(x3, f2.acceleration.mul_add(h.half, y), speed.middle);
-    let (a3, b3) = (first_3.rate(&f3), second_3.rate(&f3));
+    for n in 0..N {
+        a2[n] = at[n].rate(&f2);
+        at[n].x = h.x3(at[n].x, a1[n]);
+        at[n].y = a2[n].mul_add(h.half, vectors[n].y);
+    }
+    let f3 = motion.linearised(x3, f2.acceleration.mul_add(-h.half, v.middle), speed.middle);
     let x4 = h.x4(x, y, f2.acceleration);
-    let first_4 = Vector {
-        x: h.x4(first.x, first.y, a2),
-        y: a3.mul_add(h.whole, first.y),
-    };
-    let second_4 = Vector {
-        x: h.x4(second.x, second.y, b2),
-        y: b3.mul_add(h.whole, second.y),
-    };
-
-    let f4 = motion.linearised(x4, f3.acceleration.mul_add(h.whole, y), speed.end);
-    let (a4, b4) = (first_4.rate(&f4), second_4.rate(&f4));
+    for n in 0..N {
+        a3[n] = at[n].rate(&f3);
+        at[n].x = h.x4(vectors[n].x, vectors[n].y, a2[n]);
+        at[n].y = a3[n].mul_add(h.whole, vectors[n].y);
+    }
+    let f4 = motion.linearised(x4, f3.acceleration.mul_add(-h.whole, v.end), speed.end);
+    for n in 0..N {
+        let a4 = at[n].rate(&f4);
+        end[n].x = h.x_end(vectors[n].x, vectors[n].y, a1[n], a2[n], a3[n]);
+        end[n].y = h.y_end(vectors[n].y, a1[n], a2[n], a3[n], a4);
+    }
     let (k1, k2, k3, k4) = (f1.acceleration, f2.acceleration, f3.acceleration, f4.acceleration);
-    let end = State {
+    let state = State {
         x: h.x_end(x, y, k1, k2, k3),
         y: h.y_end(y, k1, k2, k3, k4),
     };
-    let bases = Bases {
-        first: Vector {
-            x: h.x_end(first.x, first.y, a1, a2, a3),
-            y: h.y_end(first.y, a1, a2, a3, a4),
-        },
-        second: Vector {
-            x: h.x_end(second.x, second.y, b1, b2, b3),
-            y: h.y_end(second.y, b1, b2, b3, b4),
-        },
-    };
     let divergence = h.y_end(R::splat(0.0), f1.by_y, f2.by_y, f3.by_y, f4.by_y);
-    (end, bases, divergence)
+    (state, end, divergence)
 }

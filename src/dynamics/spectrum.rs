@@ -80,11 +80,12 @@ impl Orbit {
     fn slope(&self, state: &Vector3<f64>, basis: &Matrix3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
         let (x, y, z) = (state.x, state.y, state.z);
         let speed = self.motion.shaft_speed(z.sin());
-        let linearised = self.motion.linearised(x, y, speed);
+        let v = speed - y;
+        let linearised = self.motion.linearised(x, v, speed);
         #[rustfmt::skip]
         let jacobian = Matrix3::new(
             0.0, 1.0, 0.0,
-            linearised.by_x, linearised.by_y, self.motion.by_phase(y, speed, z.cos()),
+            linearised.by_x, linearised.by_y, self.motion.by_phase(v, z.cos()),
             0.0, 0.0, 0.0,
         );
         (Vector3::new(y, linearised.acceleration, self.omega_0), jacobian * basis)

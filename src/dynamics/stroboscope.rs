@@ -24,9 +24,10 @@ pub fn period(candidates: u32, window: u32) -> Option<u32> {
 /// Compares each stroboscopic state with those up to [`MAX_PERIOD`] periods before it.
 #[derive(Clone, Debug)]
 pub struct Stroboscope {
-    /// The last states, state n at n modulo [`MAX_PERIOD`].
-    last: [[f64; 2]; MAX_PERIOD],
-    recorded: usize,
+    /// x and y of the last states, state n at n modulo [`MAX_PERIOD`].
+    x: [f64; MAX_PERIOD],
+    y: [f64; MAX_PERIOD],
+    recorded: u32,
     /// Bit k-1 is set while all states k periods apart agree.
     candidates: u32,
 }
@@ -34,7 +35,8 @@ pub struct Stroboscope {
 impl Default for Stroboscope {
     fn default() -> Self {
         Self {
-            last: [[0.0; 2]; MAX_PERIOD],
+            x: [0.0; MAX_PERIOD],
+            y: [0.0; MAX_PERIOD],
             recorded: 0,
             candidates: u32::MAX,
         }
@@ -43,14 +45,20 @@ impl Default for Stroboscope {
 
 impl Stroboscope {
     /// Takes the next state at drive phase 0; states agree whose x and y differ by less than `tolerance`.
+    #[inline(always)]
     pub fn record(&mut self, x: f64, y: f64, tolerance: f64) {
-        for k in 1..=self.recorded.min(MAX_PERIOD) {
-            let [before_x, before_y] = self.last[(self.recorded - k) % MAX_PERIOD];
-            if !((x - before_x).abs() < tolerance && (y - before_y).abs() < tolerance) {
-                self.candidates &= !(1 << (k - 1));
-            }
+        // all places at once, without a branch: this is done for every instance in every period
+        let mut agree = 0;
+        for place in 0..MAX_PERIOD {
+            let agrees = ((x - self.x[place]).abs() < tolerance) & ((y - self.y[place]).abs() < tolerance);
+            agree |= u32::from(agrees) << place;
         }
-        self.last[self.recorded % MAX_PERIOD] = [x, y];
+        // state n - k stands k places before that of state n, and periods k are counted from bit 0
+        let by_period = agree.reverse_bits().rotate_left(self.recorded % MAX_PERIOD as u32);
+        let not_yet_recorded = u32::MAX.checked_shl(self.recorded).unwrap_or(0);
+        self.candidates &= by_period | not_yet_recorded;
+        let place = self.recorded as usize % MAX_PERIOD;
+        (self.x[place], self.y[place]) = (x, y);
         self.recorded += 1;
     }
 

@@ -84,8 +84,9 @@ impl<R: Real> Vector<R> {
         self.x.mul_add(motion.by_x, motion.by_y * self.y)
     }
 
+    /// The vector at length 1, and its length.
     #[inline(always)]
-    fn normalised(self) -> (Self, R) {
+    pub fn normalised(self) -> (Self, R) {
         // a vector that has shrunk below the smallest number keeps no direction: it is taken as that small; one that
         // has overflowed stays NaN or infinite, and shows
         let (square, smallest) = (self.x.mul_add(self.x, self.y * self.y), R::splat(SMALLEST_SQUARE));

@@ -6,15 +6,16 @@ use crate::lanes::Real;
 
 /// Kinetic friction F(v) = F0 s(v) - alpha v + beta v^3 times a constant scale, with s the C1 regularisation of sgn.
 ///
-/// With u = v/eps0 clamped to -1..1, s = u (2 - |u|) and s' = (2/eps0)(1 - |u|) hold on all three pieces at once, so
-/// that no branch is needed.
+/// With c = v clamped to -eps0..eps0, s = c (2/eps0 - |c|/eps0^2) and s' = 2/eps0 - 2 |c|/eps0^2 hold on all three pieces
+/// at once, so that no branch is needed.
 #[derive(Clone, Copy, Debug)]
 pub struct Friction<R> {
-    inverse_epsilon_0: R,
+    epsilon_0: R,
     f_0: R,
     minus_alpha: R,
     beta: R,
     two_f_0_over_epsilon_0: R,
+    minus_f_0_over_epsilon_0_squared: R,
     three_beta: R,
 }
 
@@ -23,35 +24,44 @@ impl<R: Real> Friction<R> {
     pub fn new(scale: R, f_0: R, alpha: R, beta: R, epsilon_0: R) -> Self {
         let inverse_epsilon_0 = R::splat(1.0) / epsilon_0;
         Self {
-            inverse_epsilon_0,
+            epsilon_0,
             f_0: scale * f_0,
             minus_alpha: -(scale * alpha),
             beta: scale * beta,
             two_f_0_over_epsilon_0: R::splat(2.0) * scale * f_0 * inverse_epsilon_0,
+            minus_f_0_over_epsilon_0_squared: -(scale * f_0 * inverse_epsilon_0 * inverse_epsilon_0),
             three_beta: R::splat(3.0) * scale * beta,
         }
     }
 
-    /// Sliding velocity in units of the layer's half-width, clamped to -1..1.
+    /// Sliding velocity, clamped to the layer.
     #[inline(always)]
     fn clamped(&self, v: R) -> R {
-        (v * self.inverse_epsilon_0).max(R::splat(-1.0)).min(R::splat(1.0))
+        v.max(-self.epsilon_0).min(self.epsilon_0)
     }
 
-    /// `scale * F(v)`, equations (3.1) and (3.2).
+    /// `rest + scale * F(v)`, equations (3.1) and (3.2). Few operations wait for v one after the other.
     #[inline(always)]
-    pub fn force(&self, v: R) -> R {
-        let u = self.clamped(v);
-        let polynomial = v * self.beta.mul_add(v * v, self.minus_alpha);
-        self.f_0.mul_add(u * (R::splat(2.0) - u.abs()), polynomial)
+    pub fn plus_force(&self, rest: R, v: R) -> R {
+        let c = self.clamped(v);
+        let dry = self
+            .minus_f_0_over_epsilon_0_squared
+            .mul_add(c.abs(), self.two_f_0_over_epsilon_0);
+        let polynomial = v.mul_add(self.beta.mul_add(v * v, self.minus_alpha), rest);
+        c.mul_add(dry, polynomial)
     }
 
     /// `scale * F'(v)`, equation (3.4).
     #[inline(always)]
     pub fn slope(&self, v: R) -> R {
-        let inside = R::splat(1.0) - self.clamped(v).abs();
-        let polynomial = self.three_beta.mul_add(v * v, self.minus_alpha);
-        self.two_f_0_over_epsilon_0.mul_add(inside, polynomial)
+        let c = self.clamped(v);
+        let dry = self
+            .minus_f_0_over_epsilon_0_squared
+            .mul_add(c.abs(), self.two_f_0_over_epsilon_0);
+        let polynomial = self
+            .three_beta
+            .mul_add(v * v, self.minus_alpha - self.two_f_0_over_epsilon_0);
+        R::splat(2.0).mul_add(dry, polynomial)
     }
 }
 
@@ -78,7 +88,7 @@ impl<R: Real> Friction<R> {
 
     /// Half-width of the layer.
     pub fn epsilon_0(&self) -> R {
-        R::splat(1.0) / self.inverse_epsilon_0
+        self.epsilon_0
     }
 
     /// Greatest decay rate of y that dry friction has in the layer, at v = 0: `scale * 2 F0/eps0`.
@@ -90,11 +100,7 @@ impl<R: Real> Friction<R> {
     #[inline(always)]
     pub fn piece_index(&self, v: R) -> R {
         let at_least = |bound: f64, index: f64, below: R| {
-            R::select(
-                (v * self.inverse_epsilon_0).less(R::splat(bound)),
-                below,
-                R::splat(index),
-            )
+            R::select(v.less(R::splat(bound) * self.epsilon_0), below, R::splat(index))
         };
         at_least(1.0, 3.0, at_least(0.0, 2.0, at_least(-1.0, 1.0, R::splat(0.0))))
     }
@@ -114,13 +120,13 @@ impl<R: Real> Friction<R> {
         let left = index.less(R::splat(1.5));
         let signed = |value: R| R::select(left, -value, value);
         let inside = (index - R::splat(1.5)).abs().less(R::splat(1.0));
-        let curvature = R::splat(0.5) * self.two_f_0_over_epsilon_0 * self.inverse_epsilon_0;
+        let minus_curvature = self.minus_f_0_over_epsilon_0_squared;
         let near = R::select(inside, zero, epsilon_0);
         let other = R::select(inside, epsilon_0, far);
         Piece {
             a_0: R::select(inside, zero, signed(self.f_0)),
             a_1: self.minus_alpha + R::select(inside, self.two_f_0_over_epsilon_0, zero),
-            a_2: R::select(inside, signed(-curvature), zero),
+            a_2: R::select(inside, signed(minus_curvature), zero),
             lower: R::select(left, -other, near),
             upper: R::select(left, -near, other),
         }
@@ -150,7 +156,7 @@ mod tests {
         for i in -300..=300 {
             let v = f64::from(i) * 1e-4 * if i % 7 == 0 { 100.0 } else { 1.0 };
             let (force, slope) = paper(v, 0.01);
-            assert!((friction.force(v) - 0.1 * force).abs() < 1e-15, "{v}");
+            assert!((friction.plus_force(0.0, v) - 0.1 * force).abs() < 1e-15, "{v}");
             assert!((friction.slope(v) - 0.1 * slope).abs() < 1e-13, "{v}");
         }
     }
@@ -166,7 +172,7 @@ mod tests {
                 let v = from + (to - from) * f64::from(i) / 100.0;
                 assert_eq!(friction.piece_index(v), index);
                 let value = piece.a_0 + v * (piece.a_1 + v * (piece.a_2 + v * friction.cubic()));
-                assert!((value - friction.force(v)).abs() < 1e-15, "{index} {v}");
+                assert!((value - friction.plus_force(0.0, v)).abs() < 1e-15, "{index} {v}");
                 let slope = piece.a_1 + v * (2.0 * piece.a_2 + 3.0 * v * friction.cubic());
                 assert!((slope - friction.slope(v)).abs() < 1e-13, "{index} {v}");
             }

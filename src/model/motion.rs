@@ -7,6 +7,8 @@ use crate::lanes::Real;
 use crate::parameters::Parameter;
 
 /// The oscillator x'' = x - b x^3 + eps F(v) - eps h1 y with y = x' and v = (shaft speed) - y.
+///
+/// The damping goes into the friction's linear term: -eps h1 y = eps h1 v - eps h1 (shaft speed).
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<R> {
     minus_b: R,
@@ -38,7 +40,13 @@ impl<R: Real> Motion<R> {
             minus_damping: -(epsilon * value(H1)),
             omega_k: value(OmegaK),
             zeta_k: value(ZetaK),
-            friction: Friction::new(epsilon, value(F0), value(Alpha), value(Beta), value(Epsilon0)),
+            friction: Friction::new(
+                epsilon,
+                value(F0),
+                value(Alpha) - value(H1),
+                value(Beta),
+                value(Epsilon0),
+            ),
         }
     }
 
@@ -48,28 +56,26 @@ impl<R: Real> Motion<R> {
         self.zeta_k.mul_add(sin_z, self.omega_k)
     }
 
-    /// Acceleration of the bush at angle x and angular speed y.
+    /// Acceleration of the bush at angle x and sliding velocity v.
     #[inline(always)]
-    pub fn acceleration(&self, x: R, y: R, shaft_speed: R) -> R {
+    pub fn acceleration(&self, x: R, v: R, shaft_speed: R) -> R {
         let restoring = self.minus_b.mul_add(x * x, R::splat(1.0));
-        x.mul_add(
-            restoring,
-            self.minus_damping.mul_add(y, self.friction.force(shaft_speed - y)),
-        )
+        let rest = x.mul_add(restoring, self.minus_damping * shaft_speed);
+        self.friction.plus_force(rest, v)
     }
 
     /// Acceleration with its derivatives, for the tangent equations (3.3).
     #[inline(always)]
-    pub fn linearised(&self, x: R, y: R, shaft_speed: R) -> Linearised<R> {
+    pub fn linearised(&self, x: R, v: R, shaft_speed: R) -> Linearised<R> {
         Linearised {
-            acceleration: self.acceleration(x, y, shaft_speed),
+            acceleration: self.acceleration(x, v, shaft_speed),
             by_x: self.minus_three_b.mul_add(x * x, R::splat(1.0)),
-            by_y: self.minus_damping - self.friction.slope(shaft_speed - y),
+            by_y: -self.friction.slope(v),
         }
     }
 
     /// d(acceleration)/dz at drive phase z, for tangent vectors with a component along the flow.
-    pub fn by_phase(&self, y: R, shaft_speed: R, cos_z: R) -> R {
-        self.friction.slope(shaft_speed - y) * self.zeta_k * cos_z
+    pub fn by_phase(&self, v: R, cos_z: R) -> R {
+        (self.friction.slope(v) + self.minus_damping) * self.zeta_k * cos_z
     }
 }

@@ -102,7 +102,7 @@ fn tangent_vectors_are_the_derivative_of_the_step() {
         let h = StepSize::new(|_| case.h);
         let state = State { x: case.x, y: case.y };
         let plain = step(&case.motion(), &h, case.speeds(), state);
-        let (end, bases, _) = step_with_tangent(&case.motion(), &h, case.speeds(), state, Bases { first, second });
+        let (end, bases, _) = step_with_tangent(&case.motion(), &h, case.speeds(), state, [first, second]);
 
         for (value, dual) in [
             (end.x, expected.x),
@@ -114,10 +114,10 @@ fn tangent_vectors_are_the_derivative_of_the_step() {
         }
         // the layer's rate times h reaches about 1
         for (value, expected) in [
-            (bases.first.x, expected.x.derivatives[0]),
-            (bases.second.x, expected.x.derivatives[1]),
-            (bases.first.y, expected.y.derivatives[0]),
-            (bases.second.y, expected.y.derivatives[1]),
+            (bases[0].x, expected.x.derivatives[0]),
+            (bases[1].x, expected.x.derivatives[1]),
+            (bases[0].y, expected.y.derivatives[0]),
+            (bases[1].y, expected.y.derivatives[1]),
         ] {
             assert_close(value, expected, 10.0, "vector");
         }
@@ -130,19 +130,19 @@ fn the_linearisation_is_the_derivative_of_the_acceleration() {
         let (motion, dual_motion) = (case.motion::<f64>(), case.motion::<Dual>());
         let (sine, cosine) = (case.sines[0], (1.0 - case.sines[0].powi(2)).sqrt());
         let speed = motion.shaft_speed(sine);
-        let linearised = motion.linearised(case.x, case.y, speed);
+        let linearised = motion.linearised(case.x, speed - case.y, speed);
 
         let variable = |value, derivatives| Dual { value, derivatives };
         let (x, y) = (variable(case.x, [1.0, 0.0]), variable(case.y, [0.0, 1.0]));
-        let by_state = dual_motion.acceleration(x, y, Dual::splat(speed));
+        let by_state = dual_motion.acceleration(x, Dual::splat(speed) - y, Dual::splat(speed));
         // friction inside the layer is as steep as 60 per unit of speed
         assert_close(linearised.acceleration, by_state.value, 100.0, "acceleration");
         assert_close(linearised.by_x, by_state.derivatives[0], 10.0, "by x");
         assert_close(linearised.by_y, by_state.derivatives[1], 100.0, "by y");
 
         let dual_speed = dual_motion.shaft_speed(variable(sine, [cosine, 0.0]));
-        let by_phase = dual_motion.acceleration(Dual::splat(case.x), Dual::splat(case.y), dual_speed);
-        let by_hand = motion.by_phase(case.y, speed, cosine);
+        let by_phase = dual_motion.acceleration(Dual::splat(case.x), dual_speed - Dual::splat(case.y), dual_speed);
+        let by_hand = motion.by_phase(speed - case.y, cosine);
         assert_close(by_hand, by_phase.derivatives[0], 1000.0, "by phase");
     }
 }
@@ -156,7 +156,7 @@ fn orbit(parameters: &ParameterSet, steps_per_period: u32) -> [f64; 4] {
         x: parameters[Parameter::X0],
         y: parameters[Parameter::Y0],
     };
-    let mut bases = Bases::start();
+    let mut bases = [Bases::start().first];
     for _ in 0..3 {
         let mut start = motion.shaft_speed(0.0);
         for &[middle, end] in drive.steps() {
@@ -170,7 +170,7 @@ fn orbit(parameters: &ParameterSet, steps_per_period: u32) -> [f64; 4] {
             start = speed.end;
         }
     }
-    [state.x, state.y, bases.first.x, bases.first.y]
+    [state.x, state.y, bases[0].x, bases[0].y]
 }
 
 /// A fast shaft keeps the sliding speed away from the layer, so that the right-hand side is smooth along the orbit.

@@ -10,6 +10,34 @@ use crate::experiment::Settings;
 use crate::lanes::{Mask, Real};
 use crate::measurement::{Contact, RUNAWAY_BOUND};
 
+/// Of so many measured periods the last is gone through with both tangent vectors, whose growth is held against the
+/// divergence: a check of every point at a sixteenth of its cost. In the others the second vector grows by what the divergence
+/// leaves to it.
+const AUDITED: u32 = 16;
+
+/// Whether the measured period `index` is gone through with both tangent vectors.
+pub(super) fn is_audited(index: u32) -> bool {
+    index % AUDITED == AUDITED - 1
+}
+
+/// Growth over a period with one tangent vector.
+#[inline(always)]
+pub(super) fn growth_of_first<R: Real>(first: R, divergence: R) -> Growth<R> {
+    let second = divergence - first;
+    Growth { first, second }
+}
+
+/// Growth over an audited period: by how much that of `both` misses the divergence counts for all periods since the last such
+/// one.
+#[inline(always)]
+pub(super) fn audited_growth<R: Real>(both: Growth<R>, divergence: R) -> Growth<R> {
+    let defect = both.first + both.second - divergence;
+    Growth {
+        first: both.first,
+        second: R::splat(f64::from(AUDITED)).mul_add(defect, divergence - both.first),
+    }
+}
+
 /// What all instances of a batch share of a measurement.
 pub(super) struct Measuring {
     birkhoff_weights: Vec<f64>,

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use super::super::{BackendError, EndState, Slice, Stage, Sums};
 use super::Block;
-use super::record::{Measuring, Record};
+use super::record::{Measuring, Record, audited_growth, growth_of_first, is_audited};
 use crate::dynamics::drive::DriveTable;
 use crate::dynamics::rk4::{self, StageSpeeds, State, StepSize};
 use crate::dynamics::tangent::{Bases, Growth, Vector};
@@ -59,7 +59,7 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
 
     fn set_tangents(&mut self, tangent: impl Fn(usize) -> [f64; 2]) -> Result<(), BackendError> {
         for (group, first) in self.groups.iter_mut().zip((0..).step_by(R::LANES)) {
-            group.bases = Bases::along(Vector::from_lanes(|lane| tangent(first + lane)));
+            group.vector = Vector::from_lanes(|lane| tangent(first + lane));
         }
         Ok(())
     }
@@ -84,7 +84,11 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
                 if is_measured && index == 0 {
                     group.record.begin(group.state.x);
                 }
-                let (growth, divergence) = group.period_with_tangent(run);
+                let (growth, divergence) = if is_measured && is_audited(index) {
+                    group.audited_period(run)
+                } else {
+                    group.period_with_tangent(run)
+                };
                 let State { x, y } = group.state;
                 if is_measured {
                     group.record.add(&run.measuring, index, growth, divergence, x, y);
@@ -107,7 +111,7 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
     fn end_state(&self, index: usize) -> EndState {
         let (group, lane) = (&self.groups[index / R::LANES], index % R::LANES);
         let state = [group.state.x, group.state.y].map(|value| value.lane(lane));
-        group.record.end_state(lane, state, group.bases.first.lane(lane))
+        group.record.end_state(lane, state, group.vector.lane(lane))
     }
 }
 
@@ -145,7 +149,8 @@ struct Group<R> {
     motion: Motion<R>,
     h: StepSize<R>,
     state: State<R>,
-    bases: Bases<R>,
+    /// The first tangent vector, of length 1.
+    vector: Vector<R>,
     record: Record<R>,
 }
 
@@ -159,46 +164,74 @@ impl<R: Real> Group<R> {
                 x: lanes(Parameter::X0),
                 y: lanes(Parameter::Y0),
             },
-            bases: Bases::start(),
+            vector: Bases::start().first,
             record: Record::new(),
         }
     }
 
-    /// One forcing period with tangent vectors and extremes of x; returns growth and divergence over it.
+    /// One forcing period with a tangent vector and extremes of x; returns growth and divergence over it.
     #[inline(always)]
     fn period_with_tangent(&mut self, run: &Run<R::Scalar>) -> (Growth<R>, R) {
-        let (motion, h) = (self.motion, self.h);
-        let (mut state, mut bases) = (self.state, self.bases);
-        let (mut x_min, mut x_max) = (self.record.x_min, self.record.x_max);
-        let zero = R::splat(0.0);
-        let mut growth = Growth {
-            first: zero,
-            second: zero,
-        };
-        let mut divergence = zero;
-        let mut start = motion.shaft_speed(zero);
+        let (mut first, mut divergence) = (R::splat(0.0), R::splat(0.0));
+        let mut start = self.motion.shaft_speed(R::splat(0.0));
         for steps in run.drive.steps().chunks(run.renormalise_every) {
-            for &[middle, end] in steps {
-                let speed = StageSpeeds {
-                    start,
-                    middle: motion.shaft_speed(R::broadcast(middle)),
-                    end: motion.shaft_speed(R::broadcast(end)),
-                };
-                let step_divergence;
-                (state, bases, step_divergence) = rk4::step_with_tangent(&motion, &h, speed, state, bases);
-                divergence = divergence + step_divergence;
-                x_min = x_min.min(state.x);
-                x_max = x_max.max(state.x);
-                start = speed.end;
-            }
-            let norms = bases.orthonormalise();
-            growth = Growth {
-                first: growth.first + norms.first,
-                second: growth.second + norms.second,
-            };
+            let end;
+            ([end], start, divergence) = self.steps([self.vector], steps, start, divergence);
+            let norm;
+            (self.vector, norm) = end.normalised();
+            first = first + norm.ln();
         }
-        (self.state, self.bases) = (state, bases);
+        (growth_of_first(first, divergence), divergence)
+    }
+
+    /// The same with both vectors.
+    #[inline(always)]
+    fn audited_period(&mut self, run: &Run<R::Scalar>) -> (Growth<R>, R) {
+        let (mut first, mut second, mut divergence) = (R::splat(0.0), R::splat(0.0), R::splat(0.0));
+        let mut start = self.motion.shaft_speed(R::splat(0.0));
+        let mut bases = Bases::along(self.vector);
+        for steps in run.drive.steps().chunks(run.renormalise_every) {
+            let ends;
+            (ends, start, divergence) = self.steps([bases.first, bases.second], steps, start, divergence);
+            bases = Bases {
+                first: ends[0],
+                second: ends[1],
+            };
+            let growth = bases.orthonormalise();
+            first = first + growth.first;
+            second = second + growth.second;
+        }
+        self.vector = bases.first;
+        (audited_growth(Growth { first, second }, divergence), divergence)
+    }
+
+    /// Some steps with `N` tangent vectors and extremes of x. Takes and returns the vectors, the shaft's speed, and the
+    /// divergence so far.
+    #[inline(always)]
+    fn steps<const N: usize>(
+        &mut self,
+        mut vectors: [Vector<R>; N],
+        steps: &[[R::Scalar; 2]],
+        mut start: R,
+        mut divergence: R,
+    ) -> ([Vector<R>; N], R, R) {
+        let (motion, h, mut state) = (self.motion, self.h, self.state);
+        let (mut x_min, mut x_max) = (self.record.x_min, self.record.x_max);
+        for &[middle, end] in steps {
+            let speed = StageSpeeds {
+                start,
+                middle: motion.shaft_speed(R::broadcast(middle)),
+                end: motion.shaft_speed(R::broadcast(end)),
+            };
+            let step_divergence;
+            (state, vectors, step_divergence) = rk4::step_with_tangent(&motion, &h, speed, state, vectors);
+            divergence = divergence + step_divergence;
+            x_min = x_min.min(state.x);
+            x_max = x_max.max(state.x);
+            start = speed.end;
+        }
+        self.state = state;
         (self.record.x_min, self.record.x_max) = (x_min, x_max);
-        (growth, divergence)
+        (vectors, start, divergence)
     }
 }

@@ -5,9 +5,9 @@
 
 use super::super::{BackendError, EndState, Slice, Stage, Sums};
 use super::Block;
-use super::record::{Measuring, Record};
+use super::record::{Measuring, Record, audited_growth, growth_of_first, is_audited};
 use crate::dynamics::tangent::{Growth, Vector};
-use crate::dynamics::taylor::growth::{Area, RENEWAL_STEPS};
+use crate::dynamics::taylor::growth::{self, Area, RENEWAL_STEPS};
 use crate::dynamics::taylor::{self, COEFFICIENTS, Flow, MAX_PASSES, TICKS_PER_PERIOD};
 use crate::experiment::Settings;
 use crate::lanes::{Pair, Real, Ticks};
@@ -64,7 +64,11 @@ impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
                 if is_measured && index == 0 {
                     group.record.begin(group.x);
                 }
-                let (growth, divergence) = group.period_with_tangent();
+                let (growth, divergence) = if is_measured && is_audited(index) {
+                    group.period_with_tangent::<true>()
+                } else {
+                    group.period_with_tangent::<false>()
+                };
                 if is_measured {
                     group.record.add(run, index, growth, divergence, group.x, group.y);
                 }
@@ -151,9 +155,9 @@ impl<R: Real> Group<R> {
         }
     }
 
-    /// One forcing period with tangent vectors and extremes of x; returns growth and divergence over it.
+    /// One forcing period with a tangent vector, or with both, and extremes of x; returns growth and divergence over it.
     #[inline(always)]
-    fn period_with_tangent(&mut self) -> (Growth<R>, R) {
+    fn period_with_tangent<const BOTH: bool>(&mut self) -> (Growth<R>, R) {
         let mut state = self.flow.start(self.x, self.y * self.unit, self.period.to_ticks());
         let mut first = Vector {
             x: self.vector.x,
@@ -169,18 +173,28 @@ impl<R: Real> Group<R> {
             let (step, end) = taylor::step::<R, COEFFICIENTS>(&self.flow, &state);
             let turning = taylor::turning(&step, &end);
             first = step.series.vector_at(first, step.s);
-            area.second = step.series.vector_at(area.second, step.s);
-            divergence = divergence + step.series.divergence_to(step.s);
-            if pass.is_multiple_of(RENEWAL_STEPS) {
-                area.renew(first, R::from_ticks(state.left));
+            if BOTH {
+                area.second = step.series.vector_at(area.second, step.s);
+                if pass.is_multiple_of(RENEWAL_STEPS) {
+                    area.renew(first, R::from_ticks(state.left));
+                }
             }
+            divergence = divergence + step.series.divergence_to(step.s);
             x_min = x_min.min(turning).min(end.x);
             x_max = x_max.max(turning).max(end.x);
             state = end;
         }
         (self.record.x_min, self.record.x_max) = (x_min, x_max);
-        let (vector, growth) = area.close(first, self.inverse_unit);
-        self.vector = vector;
+        let growth;
+        if BOTH {
+            let both;
+            (self.vector, both) = area.close(first, self.inverse_unit);
+            growth = audited_growth(both, divergence);
+        } else {
+            let grown;
+            (self.vector, grown) = growth::close_first(first, self.inverse_unit);
+            growth = growth_of_first(grown, divergence);
+        }
         self.end(state.x, state.w, state.left);
         (growth, divergence)
     }

@@ -50,21 +50,28 @@ impl<R: Real> Area<R> {
     #[inline(always)]
     pub fn close(&self, first: Vector<R>, inverse_unit: R) -> (Vector<R>, Growth<R>) {
         let area = self.product * spanned(first, self.second);
-        let y = first.y * inverse_unit;
-        let square = first.x.mul_add(first.x, y * y);
-        // what has shrunk below the smallest number is taken as that small; what has overflowed shows
         let smallest = R::splat(SMALLEST_SQUARE);
-        let square = R::select(square.less(smallest), smallest, square);
         let area = R::select(area.less(smallest), smallest, area);
-        let inverse = R::splat(1.0) / square.sqrt();
-        let growth = R::splat(0.5) * square.ln();
-        let vector = Vector {
-            x: first.x * inverse,
-            y: y * inverse,
-        };
+        let (vector, growth) = close_first(first, inverse_unit);
         let second = area.ln() - growth;
         (vector, Growth { first: growth, second })
     }
+}
+
+/// The first vector at length 1 at the end of a period, and the logarithm of its growth.
+#[inline(always)]
+pub fn close_first<R: Real>(first: Vector<R>, inverse_unit: R) -> (Vector<R>, R) {
+    let y = first.y * inverse_unit;
+    let square = first.x.mul_add(first.x, y * y);
+    // what has shrunk below the smallest number is taken as that small; what has overflowed shows
+    let smallest = R::splat(SMALLEST_SQUARE);
+    let square = R::select(square.less(smallest), smallest, square);
+    let inverse = R::splat(1.0) / square.sqrt();
+    let vector = Vector {
+        x: first.x * inverse,
+        y: y * inverse,
+    };
+    (vector, R::splat(0.5) * square.ln())
 }
 
 /// The area that two vectors span.
