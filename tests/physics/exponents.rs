@@ -221,8 +221,9 @@ fn the_full_spectrum_is_the_two_exponents_of_the_lanes_and_zero() {
         let spectrum = lyapunov_spectrum(p, &settings).expect("bounded");
         let [first, second] = statistics::exponents([spectrum[0], spectrum[1]]);
         assert_eq!(spectrum[2], 0.0);
-        for (of_lanes, reference) in [(m.lyapunov, first), (m.lyapunov_second, second)] {
-            assert!((of_lanes - reference).abs() < 1e-10, "{p:?}: {m:?}, {spectrum:?}");
+        // what the fixed step adds to the sum of the exponents is taken from every sixteenth period
+        for (of_lanes, reference, tolerance) in [(m.lyapunov, first, 1e-10), (m.lyapunov_second, second, 1e-6)] {
+            assert!((of_lanes - reference).abs() < tolerance, "{p:?}: {m:?}, {spectrum:?}");
         }
     }
     let chaotic = [at(3.9, 0.5, [0.7, 0.1]), at(4.25, 0.3, [0.1, 0.0])];
