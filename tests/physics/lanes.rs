@@ -58,7 +58,7 @@ fn every_instruction_set_and_precision_agrees_with_the_scalar_reference_on_regul
     for instructions in InstructionSet::available() {
         for precision in PRECISIONS {
             // f64: rounding over 250 periods; f32: the rounded orbit meets the layer at other points of its steps
-            let tolerance = match precision {
+            let tolerance: f64 = match precision {
                 Precision::F64 => 1e-9,
                 Precision::F32 => 1e-3,
             };

@@ -137,7 +137,8 @@ fn batch<I: Instructions, V: Real + Send + Sync + 'static>(
     instances: &[ParameterSet],
 ) -> Box<dyn Batch> {
     match settings.scheme() {
-        Scheme::Taylor => Box::new(Blocks::<I, TaylorBlock<V>>::new(settings, instances)),
+        // the operations of one vector wait for each other too long to fill the machine
+        Scheme::Taylor => Box::new(Blocks::<I, TaylorBlock<Pair<V>>>::new(settings, instances)),
         Scheme::Radau => Box::new(Blocks::<I, RadauBlock<V>>::new(settings, instances)),
         Scheme::Rk4 => Box::new(Blocks::<I, Rk4Block<Wide<V, RK4_IN_FLIGHT>, RK4_GROUPS>>::new(
             settings, instances,

@@ -10,120 +10,11 @@ use crate::dynamics::tangent::{Growth, Vector};
 use crate::dynamics::taylor::growth::{self, Area, RENEWAL_STEPS};
 use crate::dynamics::taylor::{self, COEFFICIENTS, Flow, MAX_PASSES, TICKS_PER_PERIOD};
 use crate::experiment::Settings;
-use crate::lanes::{Pair, Real, Ticks};
+use crate::lanes::{Real, Ticks};
 use crate::parameters::{Parameter, ParameterSet};
 
-/// The instances of two groups. The motion alone is stepped for both together: the operations of one wait for each other
-/// too long to fill the machine. With tangent vectors a group has work enough of its own.
-pub(super) struct TaylorBlock<R> {
-    flow: Flow<Pair<R>>,
-    groups: [Group<R>; 2],
-}
-
-impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
-    type Run = Measuring;
-    const INSTANCES: usize = 2 * R::LANES;
-    const IS_SPLIT: bool = true;
-
-    fn run(settings: &Settings, _: &[ParameterSet]) -> Measuring {
-        Measuring::new(settings)
-    }
-
-    fn new(_: &Measuring, settings: &Settings, instances: &[ParameterSet]) -> Self {
-        let instance = |index: usize| &instances[index.min(instances.len() - 1)];
-        let steps = settings.steps_per_period();
-        Self {
-            flow: flow(instance, steps),
-            groups: std::array::from_fn(|group| Group::new(|lane| instance(group * R::LANES + lane), steps)),
-        }
-    }
-
-    fn set_tangents(&mut self, tangent: impl Fn(usize) -> [f64; 2]) -> Result<(), BackendError> {
-        for (group, first) in self.groups.iter_mut().zip((0..).step_by(R::LANES)) {
-            group.vector = Vector::from_lanes(|lane| tangent(first + lane));
-        }
-        Ok(())
-    }
-
-    #[inline(always)]
-    fn advance_plain(&mut self, _: &Measuring, slice: &Slice) {
-        for n in 0..slice.periods {
-            self.period();
-            for group in &mut self.groups {
-                group.note_runaways(slice.elapsed + n + 1);
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn advance(&mut self, run: &Measuring, slice: &Slice) {
-        let is_measured = slice.stage == Stage::Measure;
-        for n in 0..slice.periods {
-            for group in &mut self.groups {
-                let index = slice.first + n;
-                if is_measured && index == 0 {
-                    group.record.begin(group.x);
-                }
-                let (growth, divergence) = if is_measured && is_audited(index) {
-                    group.period_with_tangent::<true>()
-                } else {
-                    group.period_with_tangent::<false>()
-                };
-                if is_measured {
-                    group.record.add(run, index, growth, divergence, group.x, group.y);
-                }
-                group.note_runaways(slice.elapsed + n + 1);
-            }
-        }
-    }
-
-    fn sums(&self, index: usize) -> Sums {
-        self.groups[index / R::LANES].record.sums(index % R::LANES)
-    }
-
-    fn clear_sums(&mut self) {
-        for group in &mut self.groups {
-            group.record.clear_sums();
-        }
-    }
-
-    fn end_state(&self, index: usize) -> EndState {
-        let (group, lane) = (&self.groups[index / R::LANES], index % R::LANES);
-        let state = [group.x, group.y].map(|value| value.lane(lane));
-        group.record.end_state(lane, state, group.vector.lane(lane))
-    }
-}
-
-impl<R: Real> TaylorBlock<R> {
-    /// One forcing period of the motion alone.
-    #[inline(always)]
-    fn period(&mut self) {
-        let [a, b] = &mut self.groups;
-        let x = Pair(a.x, b.x);
-        let w = Pair(a.y * a.unit, b.y * b.unit);
-        let mut state = self.flow.start(x, w, Pair(a.period, b.period).to_ticks());
-        for _ in 0..MAX_PASSES {
-            if state.left.all_zero() {
-                break;
-            }
-            (_, state) = taylor::step::<Pair<R>, COEFFICIENTS>(&self.flow, &state);
-        }
-        a.end(state.x.0, state.w.0, state.left.0);
-        b.end(state.x.1, state.w.1, state.left.1);
-    }
-}
-
-fn flow<'a, R: Real>(instance: impl Fn(usize) -> &'a ParameterSet, steps_per_period: u32) -> Flow<R> {
-    let omega_0 = |lane| instance(lane)[Parameter::Omega0];
-    Flow::new(
-        |parameter| R::from_lanes(|lane| instance(lane)[parameter]),
-        R::from_lanes(|lane| taylor::unit_of_time(omega_0(lane))),
-        R::from_lanes(|lane| taylor::longest_step(omega_0(lane), steps_per_period)),
-    )
-}
-
 /// As many instances as the lane type holds, and everything that is carried along with them.
-struct Group<R> {
+pub(super) struct TaylorBlock<R> {
     flow: Flow<R>,
     unit: R,
     inverse_unit: R,
@@ -136,12 +27,23 @@ struct Group<R> {
     record: Record<R>,
 }
 
-impl<R: Real> Group<R> {
-    fn new<'a>(instance: impl Fn(usize) -> &'a ParameterSet, steps_per_period: u32) -> Self {
+impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
+    type Run = Measuring;
+    const INSTANCES: usize = R::LANES;
+    const IS_SPLIT: bool = true;
+
+    fn run(settings: &Settings, _: &[ParameterSet]) -> Measuring {
+        Measuring::new(settings)
+    }
+
+    fn new(_: &Measuring, settings: &Settings, instances: &[ParameterSet]) -> Self {
+        let instance = |lane: usize| &instances[lane.min(instances.len() - 1)];
         let lanes = |parameter| R::from_lanes(|lane| instance(lane)[parameter]);
-        let unit = R::from_lanes(|lane| taylor::unit_of_time(instance(lane)[Parameter::Omega0]));
+        let omega_0 = |lane| instance(lane)[Parameter::Omega0];
+        let unit = R::from_lanes(|lane| taylor::unit_of_time(omega_0(lane)));
+        let longest = R::from_lanes(|lane| taylor::longest_step(omega_0(lane), settings.steps_per_period()));
         Self {
-            flow: flow(&instance, steps_per_period),
+            flow: Flow::new(lanes, unit, longest),
             unit,
             inverse_unit: R::splat(1.0) / unit,
             x: lanes(Parameter::X0),
@@ -153,6 +55,67 @@ impl<R: Real> Group<R> {
             period: R::splat(f64::from(TICKS_PER_PERIOD)),
             record: Record::new(),
         }
+    }
+
+    fn set_tangents(&mut self, tangent: impl Fn(usize) -> [f64; 2]) -> Result<(), BackendError> {
+        self.vector = Vector::from_lanes(tangent);
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn advance_plain(&mut self, _: &Measuring, slice: &Slice) {
+        for n in 0..slice.periods {
+            self.period();
+            self.note_runaways(slice.elapsed + n + 1);
+        }
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, run: &Measuring, slice: &Slice) {
+        let is_measured = slice.stage == Stage::Measure;
+        for n in 0..slice.periods {
+            let index = slice.first + n;
+            if is_measured && index == 0 {
+                self.record.begin(self.x);
+            }
+            let (growth, divergence) = if is_measured && is_audited(index) {
+                self.period_with_tangent::<true>()
+            } else {
+                self.period_with_tangent::<false>()
+            };
+            if is_measured {
+                self.record.add(run, index, growth, divergence, self.x, self.y);
+            }
+            self.note_runaways(slice.elapsed + n + 1);
+        }
+    }
+
+    fn sums(&self, index: usize) -> Sums {
+        self.record.sums(index)
+    }
+
+    fn clear_sums(&mut self) {
+        self.record.clear_sums();
+    }
+
+    fn end_state(&self, index: usize) -> EndState {
+        let state = [self.x, self.y].map(|value| value.lane(index));
+        self.record.end_state(index, state, self.vector.lane(index))
+    }
+}
+
+impl<R: Real> TaylorBlock<R> {
+    /// One forcing period of the motion alone.
+    #[inline(always)]
+    fn period(&mut self) {
+        let mut state = self.flow.start(self.x, self.y * self.unit, self.period.to_ticks());
+        for _ in 0..MAX_PASSES {
+            if state.left.all_zero() {
+                break;
+            }
+            (_, state) = taylor::step::<R, COEFFICIENTS>(&self.flow, &state);
+        }
+        self.end(state.x, state.w, state.left);
     }
 
     /// One forcing period with a tangent vector, or with both, and extremes of x; returns growth and divergence over it.
