@@ -10,14 +10,15 @@ use crate::experiment::Settings;
 use crate::lanes::{Mask, Real};
 use crate::measurement::{Contact, RUNAWAY_BOUND};
 
-/// Of so many measured periods the last is gone through with both tangent vectors, whose growth is held against the
-/// divergence: a check of every point at a sixteenth of its cost. In the others the second vector grows by what the divergence
-/// leaves to it.
-const AUDITED: u32 = 16;
+/// One of so many measured periods is gone through with both tangent vectors, whose growth is held against the divergence: a
+/// check of every point at a small part of its cost. In the others the second vector grows by what the divergence leaves to it.
+/// A prime, so that a cycle is met at all of its periods in turn.
+const AUDITED: u32 = 17;
 
 /// Whether the measured period `index` is gone through with both tangent vectors.
 pub(super) fn is_audited(index: u32) -> bool {
-    index % AUDITED == AUDITED - 1
+    // in the shortest measurement, too
+    index % AUDITED == AUDITED / 2
 }
 
 /// Growth over a period with one tangent vector.
@@ -27,7 +28,7 @@ pub(super) fn growth_of_first<R: Real>(first: R, divergence: R) -> Growth<R> {
     Growth { first, second }
 }
 
-/// Growth over an audited period: by how much that of `both` misses the divergence counts for all periods since the last such
+/// Growth over an audited period: by how much that of `both` misses the divergence counts for all periods up to the next such
 /// one.
 #[inline(always)]
 pub(super) fn audited_growth<R: Real>(both: Growth<R>, divergence: R) -> Growth<R> {
