@@ -359,3 +359,22 @@ fn bench_tells_what_kernels_cost_and_how_exact_they_are() {
         "a GPU has only f32",
     );
 }
+
+#[test]
+fn an_axis_goes_over_the_preset() {
+    let folder = TempDir::new().unwrap();
+    let args = [
+        "bifurcation",
+        "--preset",
+        "paper",
+        "--set",
+        "k_w=0",
+        "--x",
+        "gamma=0.1:0.2:3",
+    ];
+    let short = ["--transient-periods", "4", "--periods", "16", "--out", "preset"];
+    run(folder.path(), &[&args[..], &short].concat());
+    let (names, rows) = table(&folder.path().join("preset.csv"));
+    assert_eq!(names, "gamma,x,y");
+    assert!((rows[0][0] - 0.1).abs() < 1e-12 && rows.iter().any(|row| (row[0] - 0.2).abs() < 1e-12));
+}

@@ -82,6 +82,10 @@ fn is_initial(coordinate: Coordinate) -> bool {
 pub fn experiment(args: &ExperimentArgs, axis: Option<Axis>, defaults: Request) -> Result<Experiment, Failure> {
     let mut request = defaults;
     args.apply(&mut request)?;
+    args.leave_free(
+        &axis.map(|axis| axis.coordinate).into_iter().collect::<Vec<_>>(),
+        &mut request,
+    );
     // few points, of which the errors are shown
     request.settings.decide_early = false;
     if request.settings.backend == BackendChoice::Auto {

@@ -43,7 +43,8 @@ pub fn plan(experiment: &Experiment) -> String {
         if experiment.wears() {
             format!("{} periods from the start", settings.periods)
         } else {
-            format!("{} + {} periods", settings.transient_periods, settings.periods)
+            let most = if settings.decides_early() { "at most " } else { "" };
+            format!("{most}{} + {} periods", settings.transient_periods, settings.periods)
         },
         settings.steps_per_period(),
         settings.scheme().name()

@@ -113,8 +113,14 @@ fn numerics(map: &ParameterMap) -> String {
         format!("{} forcing periods from the start", settings.periods)
     } else {
         format!(
-            "transient of {} periods, {} measured periods",
-            settings.transient_periods, settings.periods
+            "transient of {} periods, {} measured periods{}",
+            settings.transient_periods,
+            settings.periods,
+            if settings.decides_early() {
+                ", less where the motion shows early what it is"
+            } else {
+                ""
+            }
         )
     };
     let mut text = format!("Map of {x} × {y} points. {}, {run}", scheme(settings));
