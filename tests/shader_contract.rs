@@ -145,6 +145,7 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
     ("model/friction", "epsilon_0", "an accessor"),
     ("model/friction", "layer_rate", "an accessor"),
     ("model/rubbing", "heat_modes", "the host finds the modes"),
+    ("dynamics/decay", "single", "shaders are in single precision"),
     ("dynamics/decay", "empty", "for arrays that are not filled yet"),
     ("dynamics/matrix", "cofactor", "of an inverse that WGSL writes out"),
     ("dynamics/matrix", "dot", "built into WGSL"),
