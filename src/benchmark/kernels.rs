@@ -141,8 +141,8 @@ pub fn measure(
                 Some(set) => one_core.install(|| case.cost(&mut CpuBackend::with_instructions(case.precision, set)))?,
                 None => {
                     let gpu = gpu.as_deref_mut().expect("a case of a GPU comes with one");
-                    if round == 1 {
-                        // the kernels are compiled
+                    // kernels are compiled, those of the full model for every number of modes anew
+                    if round == 1 || case.modes.is_some() {
                         case.cost(gpu)?;
                     }
                     case.cost(gpu)?
