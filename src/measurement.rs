@@ -57,6 +57,10 @@ pub const QUASI_PERIODIC_ERROR: f64 = 5e-3;
 /// positive it began on an unstable cycle and never left it, which is not chaos.
 pub const CONSTANT_GROWTH: f64 = 1e-6;
 
+/// Over the measurement of a chaotic orbit a disturbance grows at least by e to this power. A mean growth that is less, however
+/// steady, cannot be told from the slow convergence of an orbit on the line of a bifurcation.
+pub const CHAOTIC_GROWTH: f64 = 1.0;
+
 /// The cycle on which an orbit was found at the end of its run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cycle {
@@ -69,20 +73,20 @@ pub struct Cycle {
 impl Class {
     pub const ALL: [Self; 4] = [Self::Chaotic, Self::Regular, Self::QuasiPeriodic, Self::Undecided];
 
-    /// Classifies an orbit by its maximal exponent `lyapunov` with standard error `error`, the cycle found at its end,
-    /// and the weighted Birkhoff average of the exponent. In this order:
+    /// Classifies an orbit by its maximal exponent `lyapunov` with standard error `error`, taken over `interval`, the cycle
+    /// found at its end, and the weighted Birkhoff average of the exponent. In this order:
     ///
     /// - regular: settled on a cycle that attracts (a chaotic transient may have come before);
-    /// - chaotic: `lyapunov - 3 error > 0`;
+    /// - chaotic: `lyapunov - 3 error > 0`, and `lyapunov interval >` [`CHAOTIC_GROWTH`];
     /// - regular: `lyapunov + 3 error < 0`, or on a cycle;
     /// - quasi-periodic: `|birkhoff| <` [`QUASI_PERIODIC_BOUND`] and `error <` [`QUASI_PERIODIC_ERROR`];
     /// - undecided: all else.
-    pub fn of(lyapunov: f64, error: f64, cycle: Option<Cycle>, birkhoff: f64) -> Self {
+    pub fn of(lyapunov: f64, error: f64, interval: f64, cycle: Option<Cycle>, birkhoff: f64) -> Self {
         // a laminar phase of chaos can pass for a cycle, but does not attract
         let settled = cycle.is_some_and(|cycle| cycle.growth_rate < 0.0 || error < CONSTANT_GROWTH);
         if settled {
             Self::Regular
-        } else if lyapunov - 3.0 * error > 0.0 {
+        } else if lyapunov - 3.0 * error > 0.0 && lyapunov * interval > CHAOTIC_GROWTH {
             Self::Chaotic
         } else if lyapunov + 3.0 * error < 0.0 || cycle.is_some() {
             Self::Regular
@@ -442,26 +446,35 @@ mod tests {
     #[test]
     fn classes_follow_their_definition() {
         let cycle = |growth_rate| Some(Cycle { period: 3, growth_rate });
-        assert_eq!(Class::of(0.1, 0.01, None, 0.1), Class::Chaotic);
-        assert_eq!(Class::of(0.1, 0.01, cycle(0.02), 0.1), Class::Chaotic, "laminar phase");
+        assert_eq!(Class::of(0.1, 0.01, 800.0, None, 0.1), Class::Chaotic);
         assert_eq!(
-            Class::of(0.1, 0.01, cycle(-0.2), 0.1),
+            Class::of(0.1, 0.01, 800.0, cycle(0.02), 0.1),
+            Class::Chaotic,
+            "laminar phase"
+        );
+        assert_eq!(
+            Class::of(0.1, 0.01, 800.0, cycle(-0.2), 0.1),
             Class::Regular,
             "after a chaotic transient"
         );
         assert_eq!(
-            Class::of(1.0, 0.0, cycle(1.0), 1.0),
+            Class::of(1.0, 0.0, 800.0, cycle(1.0), 1.0),
             Class::Regular,
             "unstable equilibrium"
         );
-        assert_eq!(Class::of(-0.1, 0.01, None, -0.1), Class::Regular);
-        assert_eq!(Class::of(-0.001, 0.01, cycle(0.001), -0.001), Class::Regular);
-        assert_eq!(Class::of(1e-4, 1e-3, None, 9e-4), Class::QuasiPeriodic);
+        assert_eq!(Class::of(-0.1, 0.01, 800.0, None, -0.1), Class::Regular);
+        assert_eq!(Class::of(-0.001, 0.01, 800.0, cycle(0.001), -0.001), Class::Regular);
+        assert_eq!(Class::of(1e-4, 1e-3, 800.0, None, 9e-4), Class::QuasiPeriodic);
         assert_eq!(
-            Class::of(1e-4, 1e-2, None, 9e-4),
+            Class::of(1e-4, 1e-2, 800.0, None, 9e-4),
             Class::Undecided,
             "an average near zero by chance"
         );
-        assert_eq!(Class::of(0.01, 0.01, None, 0.01), Class::Undecided);
+        assert_eq!(Class::of(0.01, 0.01, 800.0, None, 0.01), Class::Undecided);
+        assert_eq!(
+            Class::of(5e-4, 1e-5, 800.0, cycle(5e-4), 5e-4),
+            Class::Regular,
+            "slow convergence to a cycle"
+        );
     }
 }

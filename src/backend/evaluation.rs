@@ -95,7 +95,8 @@ impl Growth {
             period,
             growth_rate: self.rate_over_last(window) / period_time,
         });
-        let class = Class::of(lyapunov, lyapunov_error, cycle, lyapunov_birkhoff);
+        let lyapunov_interval = f64::from(settings.periods) * period_time;
+        let class = Class::of(lyapunov, lyapunov_error, lyapunov_interval, cycle, lyapunov_birkhoff);
         Measurement {
             status: Status::Ok,
             class: Some(class),
@@ -105,7 +106,7 @@ impl Growth {
             lyapunov_second_error: f64::NAN,
             divergence: f64::NAN,
             lyapunov_birkhoff,
-            lyapunov_interval: f64::from(settings.periods) * period_time,
+            lyapunov_interval,
             period: cycle
                 .filter(|cycle| {
                     class == Class::Regular && reached(cycle, lyapunov, lyapunov_error, settings, time, period_time)
