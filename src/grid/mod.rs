@@ -111,9 +111,9 @@ impl Grid {
         }
         let check = |index: usize| {
             let checked = machines.machine(index).map_or(Ok(()), |machine| machine.check_groups());
-            checked.map_err(|source| GridError::Machine {
+            checked.map_err(|error| GridError::Machine {
                 place: machines.place(index),
-                source,
+                error,
             })
         };
         let indices = || (0..machines.len()).into_par_iter();
@@ -157,8 +157,8 @@ pub enum GridError {
     },
     #[error("{name} is a quantity of a machine, and there is none: give one by --machine, or in the table `machine`")]
     NoMachine { name: &'static str },
-    #[error("{}{source}", if place.is_empty() { String::new() } else { format!("at {place}: ") })]
-    Machine { place: String, source: MachineError },
+    #[error("{}{error}", if place.is_empty() { String::new() } else { format!("at {place}: ") })]
+    Machine { place: String, error: MachineError },
     #[error("{count} points over quantities of a machine are too many (at most {max}): use fewer", max = Grid::MAX_MACHINES)]
     TooMany { count: usize },
 }

@@ -60,9 +60,9 @@ pub enum MachineError {
         /// In m.
         values: [f64; 2],
     },
-    #[error("{source}; it follows from the machine: change {governing} ({})", governing.info().meaning)]
+    #[error("{error}; it follows from the machine: change {governing} ({})", governing.info().meaning)]
     Group {
-        source: ParameterError,
+        error: ParameterError,
         governing: SiQuantity,
     },
     #[error("{0} belongs to whole parts: without it values are per metre of contact length, so give it in the file")]

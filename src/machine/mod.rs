@@ -241,9 +241,9 @@ impl Machine {
             });
         }
         for (parameter, value) in groups.parameters {
-            if let Err(source) = parameter.check(value) {
+            if let Err(error) = parameter.check(value) {
                 return Err(MachineError::Group {
-                    source,
+                    error,
                     governing: governing(parameter).expect("a machine determines its groups"),
                 });
             }
