@@ -1,5 +1,7 @@
 //! The program from outside: what is typed, what comes out, and with which exit code.
 
+mod program;
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -7,6 +9,8 @@ use std::process::{Command, Output};
 use assert_cmd::cargo::cargo_bin;
 use serde_json::Value;
 use tempfile::TempDir;
+
+use program::{text, tribochaos};
 
 /// Options for a map of a second.
 const SMALL: [&str; 10] = [
@@ -22,20 +26,8 @@ const SMALL: [&str; 10] = [
     "64",
 ];
 
-fn tribochaos(folder: &Path, args: &[&str]) -> Output {
-    Command::new(cargo_bin!("tribochaos"))
-        .current_dir(folder)
-        .args(args)
-        .output()
-        .unwrap()
-}
-
 fn small_map(folder: &Path, more: &[&str]) -> Output {
     tribochaos(folder, &[&["map"], &SMALL[..], more].concat())
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
 }
 
 #[track_caller]

@@ -1,24 +1,14 @@
 //! The commands for analyses from outside: what is typed, what comes out, and with which exit code.
 
+mod program;
+
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
-use assert_cmd::cargo::cargo_bin;
 use serde_json::Value;
 use tempfile::TempDir;
 
-fn tribochaos(folder: &Path, args: &[&str]) -> Output {
-    Command::new(cargo_bin!("tribochaos"))
-        .current_dir(folder)
-        .args(args)
-        .output()
-        .unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
-}
+use program::{table, text, tribochaos};
 
 #[track_caller]
 fn assert_refused(folder: &Path, args: &[&str], reason: &str) {
@@ -45,15 +35,6 @@ fn object(folder: &Path, args: &[&str]) -> Value {
         assert!(folder.join(file.as_str().unwrap()).is_file(), "{file}");
     }
     object
-}
-
-/// Names and rows of a table.
-fn table(path: &Path) -> (String, Vec<Vec<f64>>) {
-    let text = fs::read_to_string(path).unwrap();
-    let mut lines = text.lines().skip_while(|line| line.starts_with('#'));
-    let names = lines.next().unwrap().to_owned();
-    let number = |field: &str| field.parse().unwrap_or(f64::NAN);
-    (names, lines.map(|line| line.split(',').map(number).collect()).collect())
 }
 
 #[test]

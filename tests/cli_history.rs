@@ -1,24 +1,18 @@
 //! The command `history` from outside: what is typed, what comes out, and with which exit code.
 
+mod program;
+
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
-use assert_cmd::cargo::cargo_bin;
 use serde_json::Value;
 use tempfile::TempDir;
 
-fn history(folder: &Path, args: &[&str]) -> Output {
-    Command::new(cargo_bin!("tribochaos"))
-        .current_dir(folder)
-        .arg("history")
-        .args(args)
-        .output()
-        .unwrap()
-}
+use program::{table, text, tribochaos};
 
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
+fn history(folder: &Path, args: &[&str]) -> Output {
+    tribochaos(folder, &[&["history"], args].concat())
 }
 
 #[track_caller]
@@ -27,15 +21,6 @@ fn run(folder: &Path, args: &[&str]) -> (String, String) {
     let stderr = text(&output.stderr);
     assert!(output.status.success(), "{args:?}: {stderr}");
     (text(&output.stdout), stderr)
-}
-
-/// Names and rows of the table NAME.csv.
-fn table(folder: &Path, name: &str) -> (String, Vec<Vec<f64>>) {
-    let text = fs::read_to_string(folder.join(format!("{name}.csv"))).unwrap();
-    let mut lines = text.lines().skip_while(|line| line.starts_with('#'));
-    let names = lines.next().unwrap().to_owned();
-    let number = |field: &str| field.parse().unwrap_or(f64::NAN);
-    (names, lines.map(|line| line.split(',').map(number).collect()).collect())
 }
 
 #[track_caller]
@@ -69,7 +54,7 @@ fn the_preset_loses_contact_in_table_picture_and_summary() {
     for file in found["files"].as_array().unwrap() {
         assert!(folder.path().join(file.as_str().unwrap()).is_file(), "{file}");
     }
-    let (names, rows) = table(folder.path(), "outputs/history");
+    let (names, rows) = table(&folder.path().join("outputs/history.csv"));
     assert_eq!(names, "tau,x,y,v,pressure,wear,temperature");
     assert_eq!(rows.len(), 30 * 128 + 1);
     let lost = found["contact_time"].as_f64().unwrap();
@@ -89,7 +74,7 @@ fn without_heat_and_wear_the_pressure_is_1() {
         said.contains("contact             held") && said.contains("wrote reduced.png"),
         "{said}"
     );
-    let (_, rows) = table(folder.path(), "reduced");
+    let (_, rows) = table(&folder.path().join("reduced.csv"));
     assert_eq!(rows.len(), 3 * 16 + 1);
     assert!(rows.iter().all(|row| row[4..] == [1.0, 0.0, 0.0]));
     // where the initial state is that of the defaults
@@ -115,7 +100,7 @@ fn a_run_that_is_given_up_shows_what_there_is() {
         warned.contains("given up after tau = ") && warned.contains("the motion ran away"),
         "{warned}"
     );
-    let (_, rows) = table(folder.path(), "r");
+    let (_, rows) = table(&folder.path().join("r.csv"));
     assert!(!rows.is_empty() && rows.len() < 30 * 128);
     assert!(rows.iter().flatten().all(|value| value.is_finite()));
     assert!(

@@ -1,24 +1,15 @@
 //! Machines in SI units from outside: what is typed, what comes out, and with which exit code.
 
+mod program;
+
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
-use assert_cmd::cargo::cargo_bin;
 use serde_json::Value;
 use tempfile::TempDir;
 
-fn tribochaos(folder: &Path, args: &[&str]) -> Output {
-    Command::new(cargo_bin!("tribochaos"))
-        .current_dir(folder)
-        .args(args)
-        .output()
-        .unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
-}
+use program::{text, tribochaos};
 
 #[track_caller]
 fn done(output: &Output) -> String {

@@ -1,0 +1,30 @@
+//! The program as the tests from outside run it, and the tables that it writes.
+
+#![allow(dead_code, reason = "every test file uses some of the helpers, none uses all")]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use assert_cmd::cargo::cargo_bin;
+
+pub fn tribochaos(folder: &Path, args: &[&str]) -> Output {
+    Command::new(cargo_bin!("tribochaos"))
+        .current_dir(folder)
+        .args(args)
+        .output()
+        .unwrap()
+}
+
+pub fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Names and rows of a table.
+pub fn table(path: &Path) -> (String, Vec<Vec<f64>>) {
+    let text = fs::read_to_string(path).unwrap();
+    let mut lines = text.lines().skip_while(|line| line.starts_with('#'));
+    let names = lines.next().unwrap().to_owned();
+    let number = |field: &str| field.parse().unwrap_or(f64::NAN);
+    (names, lines.map(|line| line.split(',').map(number).collect()).collect())
+}
