@@ -3,7 +3,6 @@
 mod program;
 
 use std::fs;
-use std::path::Path;
 use std::process::Output;
 
 use serde_json::Value;

@@ -9,10 +9,11 @@
 //! - An orbit whose mean growth stands many standard errors above zero is chaotic.
 //! - Runaways, and what the scheme has given up, are dropped.
 
+use std::collections::BTreeMap;
 use std::ops::{ControlFlow, Range};
 
 use super::cycle::{AttractingCycle, TURNS};
-use super::evaluation::Growth;
+use super::evaluation::{Ended, Growth, runaway};
 use super::run::{Start, measure_alike};
 use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
 use crate::dynamics::floquet::Turn;
@@ -148,14 +149,16 @@ impl Live {
 
     /// What is left to measure of it once it has run away or been given up.
     fn given_up(&self, end: &EndState, kind: BackendKind) -> Option<Measurement> {
-        match end.runaway_period {
-            Some(period) => {
-                let time = f64::from(period) * self.parameters.forcing_period();
-                Some(Measurement::runaway(time, kind))
-            }
-            None => end
-                .under_resolved
-                .then(|| Measurement::unmeasured(Status::UnderResolved, kind)),
+        let unresolved = || Measurement::unmeasured(Status::UnderResolved, kind);
+        runaway(&self.parameters, end, kind).or_else(|| end.under_resolved.then(unresolved))
+    }
+
+    /// Its measurement after so many periods of the run, as that of the instance it was at first.
+    fn own(&self, measurement: Measurement, periods: u32) -> Measurement {
+        Measurement {
+            integrated_periods: periods + self.turned,
+            initial_state: [self.parameters[Parameter::X0], self.parameters[Parameter::Y0]],
+            ..measurement
         }
     }
 }
@@ -224,16 +227,16 @@ impl Batch<'_> {
 
     /// Measures the instances that are on an attracting cycle.
     fn find_cycles(&mut self, backend: &mut dyn Backend) -> Result<(), BackendError> {
-        for period in 1..=stroboscope::MAX_PERIOD as u32 {
-            let (on_cycle, others) = std::mem::take(&mut self.live)
-                .into_iter()
-                .partition(|live| live.candidate == Some(period) && self.measured[live.index].is_none());
-            self.live = others;
-            if !Vec::is_empty(&on_cycle) {
-                self.turn(backend, period, on_cycle)?;
+        let mut by_period: BTreeMap<u32, Vec<Live>> = BTreeMap::new();
+        for live in std::mem::take(&mut self.live) {
+            match live.candidate.filter(|_| self.measured[live.index].is_none()) {
+                Some(period) => by_period.entry(period).or_default().push(live),
+                None => self.live.push(live),
             }
         }
-        Ok(())
+        by_period
+            .into_iter()
+            .try_for_each(|(period, on_cycle)| self.turn(backend, period, on_cycle))
     }
 
     /// Turns instances along cycles of so many periods, and measures those whose cycle is found.
@@ -289,10 +292,13 @@ impl Batch<'_> {
             if live.candidate.is_some() || self.measured[live.index].is_some() {
                 continue;
             }
-            let end = live.passing();
-            let measurement = live
-                .growth
-                .measurement(&live.parameters, &settings, elapsed, &end, backend.kind());
+            let measurement = live.growth.measurement(&Ended {
+                parameters: &live.parameters,
+                settings: &settings,
+                elapsed,
+                state: &live.passing(),
+                backend: backend.kind(),
+            });
             let (lyapunov, error) = (measurement.lyapunov, measurement.lyapunov_error);
             if measurement.class == Some(Class::Chaotic) && lyapunov > CERTAINTY * error && error > CONSTANT_GROWTH {
                 self.measured[live.index] = Some(Measurement {
@@ -310,11 +316,10 @@ impl Batch<'_> {
         let measured = &mut self.measured;
         let mut dropped = 0;
         self.live.retain(|live| {
-            let Some(measurement) = &mut measured[live.index] else {
+            let Some(measurement) = measured[live.index] else {
                 return true;
             };
-            measurement.integrated_periods = elapsed + live.turned;
-            measurement.initial_state = [live.parameters[Parameter::X0], live.parameters[Parameter::Y0]];
+            measured[live.index] = Some(live.own(measurement, elapsed));
             dropped += 1;
             false
         });
@@ -337,8 +342,7 @@ impl Batch<'_> {
             align_periods: self.settings.align_periods.min(transient_periods),
             ..self.settings.clone()
         };
-        let instances: Vec<_> = self.live.iter().map(Live::instance).collect();
-        let tangents: Vec<_> = self.live.iter().map(|live| live.tangent).collect();
+        let (instances, tangents) = present(&self.live);
         let start = Start {
             elapsed,
             tangents: Some(&tangents),
@@ -347,20 +351,20 @@ impl Batch<'_> {
             return Ok(None);
         };
         for (live, measurement) in self.live.iter().zip(measured) {
-            self.measured[live.index] = Some(Measurement {
-                integrated_periods: measurement.integrated_periods + live.turned,
-                initial_state: [live.parameters[Parameter::X0], live.parameters[Parameter::Y0]],
-                ..measurement
-            });
+            self.measured[live.index] = Some(live.own(measurement, measurement.integrated_periods));
         }
         Ok(self.measured.into_iter().collect())
     }
 }
 
+/// Live instances, begun in their present states, and their tangent vectors.
+fn present(live: &[Live]) -> (Vec<ParameterSet>, Vec<[f64; 2]>) {
+    live.iter().map(|live| (live.instance(), live.tangent)).unzip()
+}
+
 /// Loads live instances in their present states.
 fn load(backend: &mut dyn Backend, settings: &Settings, live: &[Live]) -> Result<(), BackendError> {
-    let instances: Vec<_> = live.iter().map(Live::instance).collect();
-    let tangents: Vec<_> = live.iter().map(|live| live.tangent).collect();
+    let (instances, tangents) = present(live);
     backend.load(settings, &instances)?;
     backend.set_tangents(&tangents)
 }

@@ -18,6 +18,23 @@ pub(super) struct Growth {
     total: Sums,
 }
 
+/// How an instance's run ended.
+#[derive(Clone, Copy)]
+pub(super) struct Ended<'a> {
+    pub parameters: &'a ParameterSet,
+    pub settings: &'a Settings,
+    /// Periods since the start of the run, of which the last `settings.periods` were measured.
+    pub elapsed: u32,
+    pub state: &'a EndState,
+    pub backend: BackendKind,
+}
+
+/// The measurement of an orbit that ran away; None of another.
+pub(super) fn runaway(parameters: &ParameterSet, end: &EndState, backend: BackendKind) -> Option<Measurement> {
+    let time = f64::from(end.runaway_period?) * parameters.forcing_period();
+    Some(Measurement::runaway(time, backend))
+}
+
 impl Growth {
     pub fn add(&mut self, periods: f64, sums: &Sums) {
         self.batches.push((periods, sums.growth[0]));
@@ -47,25 +64,25 @@ impl Growth {
         sum.1 / sum.0
     }
 
-    /// The measurement of an instance over `settings.periods`, which ended `elapsed` periods after the start of the run.
-    pub fn measurement(
-        &self,
-        parameters: &ParameterSet,
-        settings: &Settings,
-        elapsed: u32,
-        end: &EndState,
-        backend: BackendKind,
-    ) -> Measurement {
-        let period_time = parameters.forcing_period();
-        if let Some(period) = end.runaway_period {
-            return Measurement::runaway(f64::from(period) * period_time, backend);
+    /// The measurement of an instance.
+    pub fn measurement(&self, ended: &Ended<'_>) -> Measurement {
+        let Ended {
+            parameters,
+            settings,
+            state,
+            backend,
+            ..
+        } = *ended;
+        if let Some(runaway) = runaway(parameters, state, backend) {
+            return runaway;
         }
         if settings.scheme().carries_heat() {
-            return self.rubbed_measurement(parameters, settings, elapsed, end, backend);
+            return self.rubbed_measurement(ended);
         }
+        let period_time = parameters.forcing_period();
         let time = f64::from(settings.periods) * period_time;
         let [lyapunov, lyapunov_second] = statistics::exponents(self.total.growth.map(|growth| growth / time));
-        let measurement = self.lasting_measurement(parameters, settings, elapsed, end, backend, lyapunov);
+        let measurement = self.lasting_measurement(ended, lyapunov);
         let measurement = Measurement {
             lyapunov_second,
             lyapunov_second_error: statistics::standard_error(&self.second_batches) / period_time,
@@ -73,25 +90,24 @@ impl Growth {
             ..measurement
         };
         let resolved = is_resolved(&measurement);
-        checked(measurement, resolved && !end.under_resolved)
+        checked(measurement, resolved && !state.under_resolved)
     }
 
     /// The measurement of a motion that lasts, given its maximal exponent.
-    fn lasting_measurement(
-        &self,
-        parameters: &ParameterSet,
-        settings: &Settings,
-        elapsed: u32,
-        end: &EndState,
-        backend: BackendKind,
-        lyapunov: f64,
-    ) -> Measurement {
+    fn lasting_measurement(&self, ended: &Ended<'_>, lyapunov: f64) -> Measurement {
+        let Ended {
+            parameters,
+            settings,
+            elapsed,
+            state,
+            backend,
+        } = *ended;
         let period_time = parameters.forcing_period();
         let lyapunov_error = statistics::standard_error(&self.batches) / period_time;
         let lyapunov_birkhoff = self.total.birkhoff / period_time;
         let time = f64::from(elapsed) * period_time;
         let window = stroboscope::window(settings.periods);
-        let cycle = stroboscope::period(end.candidates, window).map(|period| Cycle {
+        let cycle = stroboscope::period(state.candidates, window).map(|period| Cycle {
             period,
             growth_rate: self.rate_over_last(window) / period_time,
         });
@@ -112,13 +128,13 @@ impl Growth {
                     class == Class::Regular && reached(cycle, lyapunov, lyapunov_error, settings, time, period_time)
                 })
                 .map(|cycle| cycle.period),
-            x: end.x,
-            y: end.y,
-            x_min: end.x_min,
-            x_max: end.x_max,
+            x: state.x,
+            y: state.y,
+            x_min: state.x_min,
+            x_max: state.x_max,
             chaotic_fraction: f64::from(u8::from(class == Class::Chaotic)),
             attractors: 1,
-            contact: end.contact,
+            contact: state.contact,
             backend,
             initial_state: [parameters[Parameter::X0], parameters[Parameter::Y0]],
             integrated_periods: elapsed,
@@ -127,21 +143,20 @@ impl Growth {
 
     /// The measurement of a motion with frictional heat or wear. One tangent vector is carried, and with wear the motion
     /// is a transient: it has an exponent of finite time and no class.
-    fn rubbed_measurement(
-        &self,
-        parameters: &ParameterSet,
-        settings: &Settings,
-        elapsed: u32,
-        end: &EndState,
-        backend: BackendKind,
-    ) -> Measurement {
+    fn rubbed_measurement(&self, ended: &Ended<'_>) -> Measurement {
+        let Ended {
+            parameters,
+            settings,
+            state,
+            ..
+        } = *ended;
         let time = f64::from(settings.periods) * parameters.forcing_period();
         let growth = self.total.growth[0];
         if !parameters.wears() {
-            let measurement = self.lasting_measurement(parameters, settings, elapsed, end, backend, growth / time);
-            return checked(measurement, !end.under_resolved);
+            let measurement = self.lasting_measurement(ended, growth / time);
+            return checked(measurement, !state.under_resolved);
         }
-        let interval = end.contact.lost.unwrap_or(time);
+        let interval = state.contact.lost.unwrap_or(time);
         let measurement = Measurement {
             class: None,
             period: None,
@@ -149,10 +164,10 @@ impl Growth {
             lyapunov_birkhoff: f64::NAN,
             lyapunov_interval: interval,
             chaotic_fraction: 0.0,
-            ..self.lasting_measurement(parameters, settings, elapsed, end, backend, growth / interval)
+            ..self.lasting_measurement(ended, growth / interval)
         };
         Measurement {
-            status: if end.under_resolved || !measurement.lyapunov.is_finite() {
+            status: if state.under_resolved || !measurement.lyapunov.is_finite() {
                 Status::UnderResolved
             } else {
                 Status::Ok

@@ -4,7 +4,7 @@
 
 use std::ops::ControlFlow;
 
-use super::evaluation::Growth;
+use super::evaluation::{Ended, Growth};
 use super::{Backend, BackendError, Slice, Stage, early};
 use crate::dynamics::statistics;
 use crate::experiment::Settings;
@@ -128,7 +128,15 @@ pub(super) fn measure_alike(
         instances
             .iter()
             .zip(growth.iter().zip(&ends))
-            .map(|(parameters, (growth, end))| growth.measurement(parameters, settings, elapsed, end, kind))
+            .map(|(parameters, (growth, state))| {
+                growth.measurement(&Ended {
+                    parameters,
+                    settings,
+                    elapsed,
+                    state,
+                    backend: kind,
+                })
+            })
             .collect(),
     ))
 }

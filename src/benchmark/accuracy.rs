@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
-use super::{points, rubbed_points};
+use super::{median, points_of_model, quantile};
 use crate::backend::cpu::CpuBackend;
 use crate::backend::{Backend, BackendError, Slice, Stage};
 use crate::dynamics::reference::ReferenceOrbit;
@@ -53,8 +53,7 @@ impl References {
 
     /// Of every ninth point of the benchmark, of the full model or of the reduced one.
     pub fn of_model(rubbed: bool) -> Self {
-        let points = if rubbed { rubbed_points(STRIDE) } else { points(STRIDE) };
-        let points = points.expect("the table of parameters admits the benchmark's ranges");
+        let points = points_of_model(rubbed, STRIDE);
         if rubbed {
             Self::compute_rubbed(&points)
         } else {
@@ -102,11 +101,9 @@ impl References {
     pub fn errors(&self, backend: &mut dyn Backend, settings: &Settings) -> Result<Errors, BackendError> {
         let points: Vec<ParameterSet> = self.points.iter().map(|(point, _)| *point).collect();
         let found = exponents(backend, settings, &points)?;
-        let errors = found.iter().zip(&self.points);
-        Ok(Errors::new(
-            errors
-                .map(|(found, (_, reference))| (found - reference).abs())
-                .collect(),
+        let pairs = found.iter().zip(&self.points);
+        Ok(Errors(
+            pairs.map(|(found, (_, reference))| (found - reference).abs()).collect(),
         ))
     }
 }
@@ -141,27 +138,17 @@ fn length(point: &ParameterSet) -> f64 {
     f64::from(PERIODS) * TAU / point[Parameter::Omega0]
 }
 
-/// Absolute errors of exponents, in order.
+/// Absolute errors of exponents.
 #[derive(Clone, Debug)]
 pub struct Errors(Vec<f64>);
 
 impl Errors {
-    fn new(mut errors: Vec<f64>) -> Self {
-        // one that is no number is the largest
-        errors.sort_by(f64::total_cmp);
-        Self(errors)
-    }
-
     /// The error that the given part of the points does not exceed.
     pub fn quantile(&self, part: f64) -> f64 {
-        let last = self.0.len().saturating_sub(1);
-        self.0
-            .get((last as f64 * part).round() as usize)
-            .copied()
-            .unwrap_or(f64::NAN)
+        quantile(self.0.iter().copied(), part)
     }
 
     pub fn median(&self) -> f64 {
-        self.quantile(0.5)
+        median(self.0.iter().copied())
     }
 }

@@ -5,6 +5,7 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
+use super::median;
 use crate::backend::{Backend, BackendError, measure_batch};
 use crate::experiment::Settings;
 use crate::parameters::ParameterSet;
@@ -25,14 +26,9 @@ impl Cost {
 
     /// The median of either cost; NaN of none.
     pub fn median(costs: &[Self]) -> Self {
-        let of = |cost: fn(&Self) -> f64| {
-            let mut costs: Vec<f64> = costs.iter().map(cost).collect();
-            costs.sort_by(f64::total_cmp);
-            costs.get(costs.len() / 2).copied().unwrap_or(f64::NAN)
-        };
         Self {
-            motion_alone: of(|cost| cost.motion_alone),
-            with_vectors: of(|cost| cost.with_vectors),
+            motion_alone: median(costs.iter().map(|cost| cost.motion_alone)),
+            with_vectors: median(costs.iter().map(|cost| cost.with_vectors)),
         }
     }
 }

@@ -8,10 +8,10 @@ use serde::Serialize;
 
 use super::accuracy::References;
 use super::cost::{self, Cost};
+use super::points_of_model;
 use crate::backend::cpu::{CpuBackend, InstructionSet};
 use crate::backend::{Backend, BackendError};
 use crate::experiment::{Precision, Scheme, Settings};
-use crate::measurement::BackendKind;
 use crate::parameters::ParameterSet;
 
 /// A scheme on a device.
@@ -59,12 +59,7 @@ impl Case {
             Some(InstructionSet::Avx2) => 3,
             Some(InstructionSet::Portable) => 9,
         };
-        let points = if self.scheme.carries_heat() {
-            super::rubbed_points(stride)
-        } else {
-            super::points(stride)
-        };
-        points.expect("the table of parameters admits the benchmark's ranges")
+        points_of_model(self.scheme.carries_heat(), stride)
     }
 
     /// Periods of the motion alone, and with tangent vectors.
@@ -185,7 +180,7 @@ fn kernel(
 ) -> Result<Kernel, BackendError> {
     let errors = references.errors(backend, &case.settings())?;
     let cost = Cost::median(costs);
-    let kind: BackendKind = backend.kind();
+    let kind = backend.kind();
     Ok(Kernel {
         model: if case.scheme.carries_heat() { "full" } else { "reduced" },
         backend: kind.device_class(),

@@ -11,37 +11,38 @@ use crate::experiment::Preset;
 use crate::grid::{Axis, AxisError, Grid};
 use crate::parameters::{Parameter, ParameterSet};
 
-/// Side of the grid.
+/// Points along an axis of the reduced model's grid.
 const SIDE: usize = 64;
 
-/// The grid of 64 x 64 points over zeta_k 0..12 and h1 0..2.
-///
-/// # Errors
-/// None, as long as the table of parameters admits these ranges.
-pub fn grid() -> Result<Grid, AxisError> {
+/// The reduced model's plane, zeta_k 0..12 by h1 0..2, with so many columns and rows.
+fn plane(columns: usize, rows: usize) -> Result<Grid, AxisError> {
     Ok(Grid {
         axes: vec![
-            Axis::new(Parameter::ZetaK, 0.0, 12.0, SIDE)?,
-            Axis::new(Parameter::H1, 0.0, 2.0, SIDE)?,
+            Axis::new(Parameter::ZetaK, 0.0, 12.0, columns)?,
+            Axis::new(Parameter::H1, 0.0, 2.0, rows)?,
         ],
         fixed: ParameterSet::default().into(),
     })
 }
 
-/// Every `stride`-th point of the grid. An odd stride meets all of its rows and columns.
+fn every(grid: &Grid, stride: usize) -> Vec<ParameterSet> {
+    (0..grid.len()).step_by(stride).map(|index| grid.point(index)).collect()
+}
+
+/// Every `stride`-th point of the grid of 64 x 64 points over zeta_k 0..12 and h1 0..2. An odd stride meets all of its rows
+/// and columns.
 ///
 /// # Errors
-/// As [`grid`].
+/// None, as long as the table of parameters admits these ranges.
 pub fn points(stride: usize) -> Result<Vec<ParameterSet>, AxisError> {
-    let grid = grid()?;
-    Ok((0..grid.len()).step_by(stride).map(|index| grid.point(index)).collect())
+    Ok(every(&plane(SIDE, SIDE)?, stride))
 }
 
 /// The paper's preset without wear, over zeta_k 3..4.5 and gamma 1..1.87: the full model where it slides and sticks in
 /// every period. Every `stride`-th point of 64 x 16.
 ///
 /// # Errors
-/// As [`grid`].
+/// As [`points`].
 pub fn rubbed_points(stride: usize) -> Result<Vec<ParameterSet>, AxisError> {
     let grid = Grid {
         axes: vec![
@@ -50,5 +51,25 @@ pub fn rubbed_points(stride: usize) -> Result<Vec<ParameterSet>, AxisError> {
         ],
         fixed: Preset::Paper.parameters().with(Parameter::KW, 0.0).into(),
     };
-    Ok((0..grid.len()).step_by(stride).map(|index| grid.point(index)).collect())
+    Ok(every(&grid, stride))
+}
+
+/// [`rubbed_points`] of the full model (`rubbed`), or [`points`] of the reduced one.
+fn points_of_model(rubbed: bool, stride: usize) -> Vec<ParameterSet> {
+    let points = if rubbed { rubbed_points(stride) } else { points(stride) };
+    points.expect("the table of parameters admits the benchmark's ranges")
+}
+
+/// The value that the given part of the values does not exceed; NaN of none.
+fn quantile(values: impl IntoIterator<Item = f64>, part: f64) -> f64 {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    // one that is no number is the largest
+    values.sort_by(f64::total_cmp);
+    let last = values.len().saturating_sub(1);
+    let place = (last as f64 * part).round() as usize;
+    values.get(place).copied().unwrap_or(f64::NAN)
+}
+
+fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    quantile(values, 0.5)
 }

@@ -7,11 +7,11 @@ use std::time::Instant;
 
 use serde::Serialize;
 
+use super::{every, median, plane};
 use crate::backend::cpu::CpuBackend;
 use crate::backend::{Backend, BackendError, measure_batch};
 use crate::experiment::{Precision, Settings};
-use crate::grid::{Axis, AxisError, Grid};
-use crate::parameters::{Parameter, ParameterSet};
+use crate::parameters::ParameterSet;
 
 /// Rounds, of which the median is taken; the threads of one round are timed in turn.
 const ROUNDS: usize = 7;
@@ -54,7 +54,7 @@ pub fn threads() -> Result<Vec<Threads>, BackendError> {
             pool.build().expect("threads can be started")
         })
         .collect();
-    let points = points(8 * 4096).expect("the table of parameters admits the benchmark's ranges");
+    let points = points(8 * 4096);
     let mut rounds = Vec::new();
     for _ in 0..ROUNDS {
         let times: Result<Vec<f64>, BackendError> =
@@ -80,29 +80,23 @@ pub fn sizes() -> Result<Vec<Points>, BackendError> {
     POINTS
         .into_iter()
         .map(|count| {
-            let points = points(count).expect("the table of parameters admits the benchmark's ranges");
+            let points = points(count);
             // the largest map once, smaller ones as often as it takes for a median
             let rounds = if count < 1_000_000 { ROUNDS } else { 1 };
             let times: Result<Vec<f64>, BackendError> = (0..rounds).map(|_| time(&points, 8)).collect();
             Ok(Points {
                 points: count,
-                ns_per_instance_period: median(times?.into_iter()),
+                ns_per_instance_period: median(times?),
             })
         })
         .collect()
 }
 
 /// So many points, or a few less, over the benchmark's plane.
-fn points(count: usize) -> Result<Vec<ParameterSet>, AxisError> {
+fn points(count: usize) -> Vec<ParameterSet> {
     let side = count.isqrt();
-    let grid = Grid {
-        axes: vec![
-            Axis::new(Parameter::ZetaK, 0.0, 12.0, side)?,
-            Axis::new(Parameter::H1, 0.0, 2.0, count / side)?,
-        ],
-        fixed: ParameterSet::default().into(),
-    };
-    Ok((0..grid.len()).map(|index| grid.point(index)).collect())
+    let grid = plane(side, count / side).expect("the table of parameters admits the benchmark's ranges");
+    every(&grid, 1)
 }
 
 /// Nanoseconds for an instance-period of points in batches of the backend's size, each carried over so many periods of the
@@ -122,10 +116,4 @@ fn time(points: &[ParameterSet], periods: u32) -> Result<f64, BackendError> {
         measure_batch(&mut backend, &settings, points, &mut |_| ControlFlow::Continue(()))?;
     }
     Ok(started.elapsed().as_nanos() as f64 / (2.0 * f64::from(periods) * points.len() as f64))
-}
-
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }

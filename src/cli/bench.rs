@@ -144,11 +144,11 @@ fn print(kernels: &[Kernel]) {
     say!(
         "{PROGRAM}: ns for one forcing period of one instance, on one core of the CPU or a whole GPU, and errors of the exponent"
     );
-    let mut device = "";
+    let mut device = String::new();
     for kernel in kernels {
-        if kernel.device != device {
-            device = &kernel.device;
-            say!("\n{}", without_threads(device));
+        if heading(kernel) != device {
+            device = heading(kernel);
+            say!("\n{device}");
             say!("  scheme         motion alone  with vectors     mean   error: median    99 %");
         }
         let modes = kernel.modes.map_or(String::new(), |modes| format!(", M = {modes}"));
@@ -164,10 +164,10 @@ fn print(kernels: &[Kernel]) {
     }
 }
 
-/// The CPU's description; it is timed on one thread, whatever it has.
-fn without_threads(device: &str) -> &str {
-    device
-        .rsplit_once(", ")
-        .filter(|(_, last)| last.ends_with("threads"))
-        .map_or(device, |(rest, _)| rest)
+/// Of the CPU no threads are told: it is timed on one, whatever it has.
+fn heading(kernel: &Kernel) -> String {
+    match (kernel.instructions, kernel.lanes) {
+        (Some(set), Some(lanes)) => format!("CPU, {set} lanes of {lanes} {}", kernel.precision),
+        _ => kernel.device.clone(),
+    }
 }

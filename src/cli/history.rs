@@ -245,32 +245,9 @@ fn object(experiment: &Experiment, periods: u32, last: &Sample, status: Status, 
 }
 
 fn print(at: &Fixed, end: f64, contact: &Contact) {
-    let behind = |value: f64, scale: Scale| si::behind(at, value, scale);
-    say!("followed            to tau = {end:.4}{}", behind(end, Scale::Time));
-    match contact.lost {
-        Some(time) => say!(
-            "contact             lost at tau = {time:.4}{}",
-            behind(time, Scale::Time)
-        ),
-        None => say!("contact             held"),
-    }
     say!(
-        "peak pressure       {:.5}{} at tau = {:.4}{}",
-        contact.peak_pressure,
-        behind(contact.peak_pressure, Scale::Pressure),
-        contact.peak_pressure_time,
-        behind(contact.peak_pressure_time, Scale::Time)
+        "followed            to tau = {end:.4}{}",
+        si::behind(at, end, Scale::Time)
     );
-    let wear = contact.final_wear;
-    say!("final wear          {wear:.5}{}", behind(wear, Scale::Length));
-    let temperature = contact.peak_temperature;
-    say!(
-        "peak temperature    {temperature:.3}{}  (of the surface{})",
-        behind(temperature, Scale::Temperature),
-        if at.machine().is_some() {
-            ", above the ambient one"
-        } else {
-            ""
-        }
-    );
+    si::print_contact(at, contact, "held");
 }

@@ -4,7 +4,6 @@ use clap::Args;
 use serde_json::{Map, Value, json};
 use tribochaos::dynamics::spectrum::lyapunov_spectrum;
 use tribochaos::experiment::{BackendChoice, Experiment, Request};
-use tribochaos::machine::Scale;
 use tribochaos::measurement::{Measurement, Status};
 use tribochaos::parameters::Parameter;
 use tribochaos::sweep::choice;
@@ -122,7 +121,6 @@ fn print(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) {
     }
     let settings = &experiment.settings;
     let at = &experiment.grid.fixed;
-    let behind = |value: f64, scale: Scale| si::behind(at, value, scale);
     say!(
         "class               {}",
         m.class.map_or("-", tribochaos::measurement::Class::name)
@@ -155,33 +153,7 @@ fn print(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) {
     say!("x, y                {:.9} {:.9}  (last stroboscopic state)", m.x, m.y);
     say!("extremes of x       {:.6} {:.6}", m.x_min, m.x_max);
     if settings.scheme().carries_heat() {
-        let contact = &m.contact;
-        match contact.lost {
-            Some(time) => say!(
-                "contact             lost at tau = {time:.4}{}",
-                behind(time, Scale::Time)
-            ),
-            None => say!("contact             held to the end of the run"),
-        }
-        say!(
-            "peak pressure       {:.5}{} at tau = {:.4}{}",
-            contact.peak_pressure,
-            behind(contact.peak_pressure, Scale::Pressure),
-            contact.peak_pressure_time,
-            behind(contact.peak_pressure_time, Scale::Time)
-        );
-        let wear = contact.final_wear;
-        say!("final wear          {wear:.5}{}", behind(wear, Scale::Length));
-        let temperature = contact.peak_temperature;
-        say!(
-            "peak temperature    {temperature:.3}{}  (of the surface{})",
-            behind(temperature, Scale::Temperature),
-            if at.machine().is_some() {
-                ", above the ambient one"
-            } else {
-                ""
-            }
-        );
+        si::print_contact(at, &m.contact, "held to the end of the run");
     }
     if settings.initial_states > 1 {
         say!(

@@ -20,6 +20,37 @@ pub fn behind(at: &Fixed, value: f64, scale: Scale) -> String {
     }
 }
 
+/// Prints what the contact came to; `held` is said where it was not lost.
+pub fn print_contact(at: &Fixed, contact: &Contact, held: &str) {
+    let behind = |value: f64, scale: Scale| behind(at, value, scale);
+    match contact.lost {
+        Some(time) => say!(
+            "contact             lost at tau = {time:.4}{}",
+            behind(time, Scale::Time)
+        ),
+        None => say!("contact             {held}"),
+    }
+    say!(
+        "peak pressure       {:.5}{} at tau = {:.4}{}",
+        contact.peak_pressure,
+        behind(contact.peak_pressure, Scale::Pressure),
+        contact.peak_pressure_time,
+        behind(contact.peak_pressure_time, Scale::Time)
+    );
+    let wear = contact.final_wear;
+    say!("final wear          {wear:.5}{}", behind(wear, Scale::Length));
+    let temperature = contact.peak_temperature;
+    say!(
+        "peak temperature    {temperature:.3}{}  (of the surface{})",
+        behind(temperature, Scale::Temperature),
+        if at.machine().is_some() {
+            ", above the ambient one"
+        } else {
+            ""
+        }
+    );
+}
+
 /// What the contact came to; null without a machine.
 pub fn contact(at: &Fixed, contact: &Contact) -> Value {
     let Some(machine) = at.machine() else {

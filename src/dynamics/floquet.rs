@@ -7,8 +7,6 @@
 //! vector v0 with v1 = M v0 and v2 = M v1 has v2 = (trace) v1 - (determinant) v0; and the determinant is the product of
 //! both vectors' growth.
 
-use std::ops::Add;
-
 /// A turn of a cycle, as it changes the tangent vectors.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn {
@@ -58,7 +56,7 @@ impl Multipliers {
         let modulus = self.log_moduli()[0].exp();
         // the cosine of mu_1's angle: 1 or -1 for real multipliers
         let cosine = self.scaled_trace.clamp(-1.0, 1.0);
-        (1.0 - 2.0 * modulus * cosine).add(modulus * modulus).max(0.0).sqrt()
+        (1.0 - 2.0 * modulus * cosine + modulus * modulus).max(0.0).sqrt()
     }
 }
 

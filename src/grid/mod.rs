@@ -71,12 +71,17 @@ impl Grid {
         self.at(index).machine().copied()
     }
 
-    fn at(&self, mut index: usize) -> Fixed {
-        self.fixed.at(self.axes.iter().map(|axis| {
+    fn at(&self, index: usize) -> Fixed {
+        self.fixed.at(self.values(index))
+    }
+
+    /// The values of the axes at a point.
+    fn values(&self, mut index: usize) -> impl Iterator<Item = (Coordinate, f64)> + '_ {
+        self.axes.iter().map(move |axis| {
             let value = axis.value(index % axis.count);
             index /= axis.count;
             (axis.coordinate, value)
-        }))
+        })
     }
 
     /// The machines at the corners of the grid, which has one.
@@ -131,15 +136,10 @@ impl Grid {
     }
 
     /// The values of the axes at a point, in words.
-    pub fn place(&self, mut index: usize) -> String {
-        let values = self.axes.iter().map(|axis| {
-            let value = axis.value(index % axis.count);
-            index /= axis.count;
-            format!(
-                "{} = {}",
-                axis.coordinate,
-                machine::units::si(value, self.fixed.unit(axis.coordinate))
-            )
+    pub fn place(&self, index: usize) -> String {
+        let values = self.values(index).map(|(coordinate, value)| {
+            let value = machine::units::si(value, self.fixed.unit(coordinate));
+            format!("{coordinate} = {value}")
         });
         values.collect::<Vec<_>>().join(", ")
     }
