@@ -3,7 +3,7 @@
 mod gpu_context;
 mod probe;
 
-use tribochaos::backend::gpu::shader_source;
+use tribochaos::backend::gpu::shader_source::{Kernel, Shader};
 use tribochaos::dynamics::rk4::{self, StageSpeeds, State, StepSize};
 use tribochaos::dynamics::tangent::{Bases, Vector};
 use tribochaos::dynamics::taylor::{self, COEFFICIENTS, Flow};
@@ -213,7 +213,7 @@ fn functions_agree_to_a_few_roundings() {
     let probes: Vec<[f32; OUTPUTS]> = evaluate(
         &context,
         &probed(Scheme::Rk4, PROBE),
-        &shader_source::constants(64),
+        &Kernel::Checked.constants(64),
         &samples,
     );
     let mut worst = [0f32; OUTPUTS];
@@ -295,7 +295,7 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
     let probes: Vec<[f32; 9]> = evaluate(
         &context,
         &probed(Scheme::Taylor, PROBE),
-        &shader_source::constants(64),
+        &Kernel::Checked.constants(64),
         &samples,
     );
     let mut different_pieces = 0;
@@ -387,7 +387,7 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
     let probes: Vec<[f32; 1]> = evaluate(
         &context,
         &probed(Scheme::Rk4, PROBE),
-        &shader_source::constants(64),
+        &Kernel::Checked.constants(64),
         &samples,
     );
     for ([probe], (case, expected)) in probes.iter().zip(cases) {
@@ -397,6 +397,6 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
 
 /// The scheme's shader with a probing kernel.
 fn probed(scheme: Scheme, probe: &str) -> String {
-    let shader = shader_source::Shader::of(scheme).expect("the scheme has a shader");
+    let shader = Shader::of(scheme).expect("the scheme has a shader");
     format!("{}{probe}", shader.source)
 }

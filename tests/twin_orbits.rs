@@ -33,7 +33,7 @@ fn assert_short_trajectories(gpu: &mut GpuBackend, scheme: Scheme, of_a_step: f6
         let mut cpu = CpuBackend::new(precision);
         gpu.load(&settings, &instances).unwrap();
         cpu.load(&settings, &instances).unwrap();
-        for first in 0..5 {
+        for first in 0..10 {
             let slice = Slice {
                 stage: Stage::Measure,
                 first,

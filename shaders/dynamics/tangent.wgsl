@@ -32,6 +32,11 @@ struct Orthonormalised {
     growth: Growth,
 }
 
+// A vector of length 1, and the one across it.
+fn bases_along(first: Vector) -> Bases {
+    return Bases(first, Vector(-first.y, first.x));
+}
+
 // Orthonormalises by Gram and Schmidt (3.5); the growth is the norms' logarithms, the summands of (3.6).
 fn orthonormalise(bases: Bases) -> Orthonormalised {
     let first = normalised(bases.first);

@@ -1,5 +1,6 @@
 // Carries motion and tangent vectors on by some forcing periods, one thread an instance; where they are measured, sums
-// up growth and divergence and compares stroboscopic states.
+// up growth and divergence and compares stroboscopic states. The second vector is that of checked periods; in others nothing
+// depends on it, and compilers leave it out.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
@@ -15,7 +16,7 @@ fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
     let motion = motion_new(parameters[instance]);
     let h = step_size_new(parameters[instance].step_size);
     var state = State(orbit.x, orbit.y);
-    var bases = Bases(Vector(orbit.first_x, orbit.first_y), Vector(orbit.second_x, orbit.second_y));
+    var tangent = tangents[instance];
     var sums = totals[instance];
     for (var n = 0u; n < span.periods; n++) {
         let index = span.first + n;
@@ -23,8 +24,9 @@ fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
             orbit.x_min = state.x;
             orbit.x_max = state.x;
         }
+        var bases = bases_along(Vector(tangent.x, tangent.y));
         // the period's own sums come first: added to the slot's total one by one, small terms would lose more digits
-        var growth = Growth(0.0, 0.0);
+        var both = Growth(0.0, 0.0);
         var divergence = 0.0;
         var start = shaft_speed(motion, 0.0);
         var step = 0u;
@@ -43,14 +45,19 @@ fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
             }
             let renormalised = orthonormalise(bases);
             bases = renormalised.bases;
-            growth.first += renormalised.growth.first;
-            growth.second += renormalised.growth.second;
+            both.first += renormalised.growth.first;
+            both.second += renormalised.growth.second;
         }
+        tangent = vec2(bases.first.x, bases.first.y);
         if (has_run_away(state.x, state.y)) {
             orbit.runaway_period = span.elapsed + n + 1u;
             break;
         }
         if (span.measured != 0u) {
+            var growth = growth_of_first(both.first, divergence);
+            if (IS_CHECKED) {
+                growth = checked_growth(both, divergence);
+            }
             sums.growth_first += growth.first;
             sums.growth_second += growth.second;
             sums.birkhoff = fma(growth.first, birkhoff_weights[index], sums.birkhoff);
@@ -62,14 +69,11 @@ fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
             }
         }
     }
+    tangents[instance] = tangent;
     totals[instance] = sums;
     orbits[instance] = Orbit(
         state.x,
         state.y,
-        bases.first.x,
-        bases.first.y,
-        bases.second.x,
-        bases.second.y,
         orbit.x_min,
         orbit.x_max,
         orbit.candidates,

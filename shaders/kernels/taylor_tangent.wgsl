@@ -1,5 +1,6 @@
 // Carries motion and tangent vectors on by some forcing periods in Taylor steps, one thread an instance with a clock of
-// its own; where they are measured, sums up growth and divergence and compares stroboscopic states.
+// its own; where they are measured, sums up growth and divergence and compares stroboscopic states. Follows the second
+// vector in checked periods alone.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
@@ -14,6 +15,7 @@ fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
     }
     let flow = flow_new(parameters[instance]);
     let unit = parameters[instance].unit_of_time;
+    var tangent = tangents[instance];
     var sums = totals[instance];
     for (var n = 0u; n < span.periods; n++) {
         let index = span.first + n;
@@ -22,25 +24,35 @@ fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
             orbit.x_max = orbit.x;
         }
         var state = state_start(flow, orbit.x, orbit.y * unit, TICKS_PER_PERIOD);
-        var first = Vector(orbit.first_x, orbit.first_y * unit);
+        var first = Vector(tangent.x, tangent.y * unit);
         var area = area_new(first);
         var divergence = 0.0;
         for (var taken = 1u; taken <= MAX_PASSES && state.left != 0u; taken++) {
             let step = taylor_step(flow, state);
             let turn = turning(step);
             first = vector_at(step.series, first, step.s);
-            area.second = vector_at(step.series, area.second, step.s);
-            divergence += divergence_to(step.series, step.s);
-            if (taken % RENEWAL_STEPS == 0u) {
-                area = renew(area, first);
+            if (IS_CHECKED) {
+                area.second = vector_at(step.series, area.second, step.s);
+                if (taken % RENEWAL_STEPS == 0u) {
+                    area = renew(area, first);
+                }
             }
+            divergence += divergence_to(step.series, step.s);
             orbit.x_min = min(orbit.x_min, min(turn, step.end.x));
             orbit.x_max = max(orbit.x_max, max(turn, step.end.x));
             state = step.end;
         }
-        let closed = close(area, first, 1.0 / unit);
-        orbit.first_x = closed.vector.x;
-        orbit.first_y = closed.vector.y;
+        var growth: Growth;
+        if (IS_CHECKED) {
+            let closed = close(area, first, 1.0 / unit);
+            first = closed.vector;
+            growth = checked_growth(closed.growth, divergence);
+        } else {
+            let closed = close_first(first, 1.0 / unit);
+            first = closed.vector;
+            growth = growth_of_first(closed.growth, divergence);
+        }
+        tangent = vec2(first.x, first.y);
         orbit.x = state.x;
         orbit.y = state.w / unit;
         if (has_run_away(orbit.x, orbit.y)) {
@@ -52,9 +64,9 @@ fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
             break;
         }
         if (span.measured != 0u) {
-            sums.growth_first += closed.growth.first;
-            sums.growth_second += closed.growth.second;
-            sums.birkhoff = fma(closed.growth.first, birkhoff_weights[index], sums.birkhoff);
+            sums.growth_first += growth.first;
+            sums.growth_second += growth.second;
+            sums.birkhoff = fma(growth.first, birkhoff_weights[index], sums.birkhoff);
             sums.divergence += divergence;
             if (index >= run.unrecorded) {
                 let recorded = index - run.unrecorded;
@@ -63,6 +75,7 @@ fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
             }
         }
     }
+    tangents[instance] = tangent;
     totals[instance] = sums;
     orbits[instance] = orbit;
 }

@@ -28,14 +28,10 @@ struct Parameters {
     unit_of_time: f32,
 }
 
-// One instance as it is carried along: state, tangent vectors, extremes of x, and what its periods showed.
+// One instance as it is carried along: state, extremes of x, and what its periods showed.
 struct Orbit {
     x: f32,
     y: f32,
-    first_x: f32,
-    first_y: f32,
-    second_x: f32,
-    second_y: f32,
     x_min: f32,
     x_max: f32,
     // Bit k-1 is set while all stroboscopic states k periods apart agree.
@@ -61,9 +57,11 @@ struct Totals {
 @group(0) @binding(3) var<storage, read> birkhoff_weights: array<f32>;
 @group(0) @binding(4) var<storage, read> parameters: array<Parameters>;
 @group(0) @binding(5) var<storage, read_write> orbits: array<Orbit>;
-@group(0) @binding(6) var<storage, read_write> totals: array<Totals>;
+// The tangent vectors, of length 1, of which the second ones are across.
+@group(0) @binding(6) var<storage, read_write> tangents: array<vec2<f32>>;
+@group(0) @binding(7) var<storage, read_write> totals: array<Totals>;
 // The last stroboscopic states, [slot][instance], so that neighbouring threads touch neighbouring memory.
-@group(0) @binding(7) var<storage, read_write> last_states: array<vec2<f32>>;
+@group(0) @binding(8) var<storage, read_write> last_states: array<vec2<f32>>;
 
 // sin z at the middle and the end of a step of the period. Two scalars are fetched faster than an entry is taken apart.
 fn drive_at(step: u32) -> vec2<f32> {

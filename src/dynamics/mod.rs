@@ -5,6 +5,7 @@
 pub mod adaptive;
 pub mod decay;
 pub mod dense;
+pub mod divergence_check;
 pub mod drive;
 pub mod floquet;
 pub mod history;

@@ -12,6 +12,12 @@ struct Closed {
     growth: Growth,
 }
 
+// The first vector at length 1, and the logarithm of its growth.
+struct ClosedFirst {
+    vector: Vector,
+    growth: f32,
+}
+
 // With a second vector that spans the area 1 with the first.
 fn area_new(first: Vector) -> Area {
     return Area(across(first), 1.0);
@@ -24,15 +30,20 @@ fn renew(area: Area, first: Vector) -> Area {
 
 // Ends the period. Vectors have speeds in units of time, whose inverse is given.
 fn close(area: Area, first: Vector, inverse_unit: f32) -> Closed {
+    let measured = area.product * spanned(first, area.second);
+    let product = select(measured, SMALLEST_SQUARE, measured < SMALLEST_SQUARE);
+    let closed = close_first(first, inverse_unit);
+    return Closed(closed.vector, Growth(closed.growth, log(product) - closed.growth));
+}
+
+// The first vector at length 1 at the end of a period, and the logarithm of its growth.
+fn close_first(first: Vector, inverse_unit: f32) -> ClosedFirst {
     let y = first.y * inverse_unit;
     // what has shrunk below the smallest number is taken as that small; what has overflowed shows
     let measured = fma(first.x, first.x, y * y);
     let square = select(measured, SMALLEST_SQUARE, measured < SMALLEST_SQUARE);
-    let both = area.product * spanned(first, area.second);
-    let product = select(both, SMALLEST_SQUARE, both < SMALLEST_SQUARE);
     let inverse = 1.0 / sqrt(square);
-    let growth = 0.5 * log(square);
-    return Closed(Vector(first.x * inverse, y * inverse), Growth(growth, log(product) - growth));
+    return ClosedFirst(Vector(first.x * inverse, y * inverse), 0.5 * log(square));
 }
 
 // The area that two vectors span.

@@ -10,35 +10,6 @@ use crate::experiment::Settings;
 use crate::lanes::{Mask, Real};
 use crate::measurement::{Contact, RUNAWAY_BOUND};
 
-/// One of so many measured periods is gone through with both tangent vectors, whose growth is held against the divergence: a
-/// check of every point at a small part of its cost. In the others the second vector grows by what the divergence leaves to it.
-/// A prime, so that a cycle is met at all of its periods in turn.
-const AUDITED: u32 = 17;
-
-/// Whether the measured period `index` is gone through with both tangent vectors.
-pub(super) fn is_audited(index: u32) -> bool {
-    // in the shortest measurement, too
-    index % AUDITED == AUDITED / 2
-}
-
-/// Growth over a period with one tangent vector.
-#[inline(always)]
-pub(super) fn growth_of_first<R: Real>(first: R, divergence: R) -> Growth<R> {
-    let second = divergence - first;
-    Growth { first, second }
-}
-
-/// Growth over an audited period: by how much that of `both` misses the divergence counts for all periods up to the next such
-/// one.
-#[inline(always)]
-pub(super) fn audited_growth<R: Real>(both: Growth<R>, divergence: R) -> Growth<R> {
-    let defect = both.first + both.second - divergence;
-    Growth {
-        first: both.first,
-        second: R::splat(f64::from(AUDITED)).mul_add(defect, divergence - both.first),
-    }
-}
-
 /// What all instances of a batch share of a measurement.
 pub(super) struct Measuring {
     birkhoff_weights: Vec<f64>,

@@ -6,7 +6,8 @@ use std::f64::consts::TAU;
 
 use super::super::{BackendError, EndState, Slice, Stage, Sums};
 use super::Block;
-use super::record::{Measuring, Record, audited_growth, growth_of_first, is_audited};
+use super::record::{Measuring, Record};
+use crate::dynamics::divergence_check::{checked_growth, growth_of_first, is_checked};
 use crate::dynamics::drive::DriveTable;
 use crate::dynamics::rk4::{self, StageSpeeds, State, StepSize};
 use crate::dynamics::tangent::{Bases, Growth, Vector};
@@ -84,8 +85,8 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
                 if is_measured && index == 0 {
                     group.record.begin(group.state.x);
                 }
-                let (growth, divergence) = if is_measured && is_audited(index) {
-                    group.audited_period(run)
+                let (growth, divergence) = if is_measured && is_checked(index) {
+                    group.checked_period(run)
                 } else {
                     group.period_with_tangent(run)
                 };
@@ -186,7 +187,7 @@ impl<R: Real> Group<R> {
 
     /// The same with both vectors.
     #[inline(always)]
-    fn audited_period(&mut self, run: &Run<R::Scalar>) -> (Growth<R>, R) {
+    fn checked_period(&mut self, run: &Run<R::Scalar>) -> (Growth<R>, R) {
         let (mut first, mut second, mut divergence) = (R::splat(0.0), R::splat(0.0), R::splat(0.0));
         let mut start = self.motion.shaft_speed(R::splat(0.0));
         let mut bases = Bases::along(self.vector);
@@ -202,7 +203,7 @@ impl<R: Real> Group<R> {
             second = second + growth.second;
         }
         self.vector = bases.first;
-        (audited_growth(Growth { first, second }, divergence), divergence)
+        (checked_growth(Growth { first, second }, divergence), divergence)
     }
 
     /// Some steps with `N` tangent vectors and extremes of x. Takes and returns the vectors, the shaft's speed, and the

@@ -5,7 +5,8 @@
 
 use super::super::{BackendError, EndState, Slice, Stage, Sums};
 use super::Block;
-use super::record::{Measuring, Record, audited_growth, growth_of_first, is_audited};
+use super::record::{Measuring, Record};
+use crate::dynamics::divergence_check::{checked_growth, growth_of_first, is_checked};
 use crate::dynamics::tangent::{Growth, Vector};
 use crate::dynamics::taylor::growth::{self, Area, RENEWAL_STEPS};
 use crate::dynamics::taylor::{self, COEFFICIENTS, Flow, MAX_PASSES, TICKS_PER_PERIOD};
@@ -78,7 +79,7 @@ impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
             if is_measured && index == 0 {
                 self.record.begin(self.x);
             }
-            let (growth, divergence) = if is_measured && is_audited(index) {
+            let (growth, divergence) = if is_measured && is_checked(index) {
                 self.period_with_tangent::<true>()
             } else {
                 self.period_with_tangent::<false>()
@@ -152,7 +153,7 @@ impl<R: Real> TaylorBlock<R> {
         if BOTH {
             let both;
             (self.vector, both) = area.close(first, self.inverse_unit);
-            growth = audited_growth(both, divergence);
+            growth = checked_growth(both, divergence);
         } else {
             let grown;
             (self.vector, grown) = growth::close_first(first, self.inverse_unit);

@@ -6,7 +6,7 @@ use bytemuck::Pod;
 use wgpu::BufferUsages;
 
 use super::context::GpuContext;
-use super::layout::{self, DRIVE_ENTRIES, LAST_STATES_SIZE, Orbit, Parameters, Run, Span, Totals, binding};
+use super::layout::{self, DRIVE_ENTRIES, LAST_STATES_SIZE, Orbit, Parameters, Run, Span, Tangent, Totals, binding};
 use crate::backend::BackendError;
 use crate::dynamics::statistics;
 use crate::experiment::{Scheme, Settings};
@@ -22,6 +22,7 @@ pub struct Buffers {
     birkhoff_weights: wgpu::Buffer,
     parameters: wgpu::Buffer,
     orbits: wgpu::Buffer,
+    tangents: wgpu::Buffer,
     totals: wgpu::Buffer,
     staging: wgpu::Buffer,
     bindings: wgpu::BindGroup,
@@ -51,6 +52,7 @@ impl Buffers {
         let birkhoff_weights = storage("birkhoff_weights", periods as usize * size_of::<f32>());
         let parameters = storage("parameters", count * size_of::<Parameters>());
         let orbits = storage("orbits", count * size_of::<Orbit>());
+        let tangents = storage("tangents", count * size_of::<Tangent>());
         let totals = storage("totals", count * size_of::<Totals>());
         let last_states = storage("last_states", count * LAST_STATES_SIZE as usize);
         let staging = buffer(
@@ -68,6 +70,7 @@ impl Buffers {
                 entry(binding::BIRKHOFF_WEIGHTS, &birkhoff_weights),
                 entry(binding::PARAMETERS, &parameters),
                 entry(binding::ORBITS, &orbits),
+                entry(binding::TANGENTS, &tangents),
                 entry(binding::TOTALS, &totals),
                 entry(binding::LAST_STATES, &last_states),
             ],
@@ -82,6 +85,7 @@ impl Buffers {
             birkhoff_weights,
             parameters,
             orbits,
+            tangents,
             totals,
             staging,
             bindings,
@@ -114,6 +118,7 @@ impl Buffers {
         write(context, &self.birkhoff_weights, &birkhoff_weights(settings));
         write(context, &self.parameters, &parameters);
         write(context, &self.orbits, &orbits);
+        self.set_tangents(context, &vec![[1.0, 0.0]; instances.len()]);
         let mut encoder = context.device().create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.totals, 0, None);
         context.queue().submit([encoder.finish()]);
@@ -124,19 +129,17 @@ impl Buffers {
         write(context, &self.span, &[span]);
     }
 
-    /// The orbits of the first `count` instances.
-    pub fn read_orbits(&self, context: &GpuContext, count: usize) -> Result<Vec<Orbit>, BackendError> {
-        read(context, &self.orbits, &self.staging, count, |_| ())
+    /// Turns the tangent vectors of the first instances.
+    pub fn set_tangents(&self, context: &GpuContext, tangents: &[[f64; 2]]) {
+        let tangents: Vec<Tangent> = tangents.iter().map(|vector| vector.map(|value| value as f32)).collect();
+        write(context, &self.tangents, &tangents);
     }
 
-    /// Turns the tangent vectors of the first instances: the first ones to these, the second ones across.
-    pub fn set_tangents(&self, context: &GpuContext, tangents: &[[f64; 2]]) -> Result<(), BackendError> {
-        let mut orbits = self.read_orbits(context, tangents.len())?;
-        for (orbit, tangent) in orbits.iter_mut().zip(tangents) {
-            orbit.turn(*tangent);
-        }
-        write(context, &self.orbits, &orbits);
-        context.check()
+    /// The orbits and tangent vectors of the first `count` instances.
+    pub fn read_orbits(&self, context: &GpuContext, count: usize) -> Result<Vec<(Orbit, Tangent)>, BackendError> {
+        let orbits: Vec<Orbit> = read(context, &self.orbits, &self.staging, count, |_| ())?;
+        let tangents: Vec<Tangent> = read(context, &self.tangents, &self.staging, count, |_| ())?;
+        Ok(orbits.into_iter().zip(tangents).collect())
     }
 
     /// The totals of the first `count` instances, which begin at zero again.

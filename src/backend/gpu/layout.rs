@@ -10,7 +10,6 @@ use bytemuck::{Pod, Zeroable};
 use crate::backend::{EndState, Sums};
 use crate::dynamics::drive::DriveTable;
 use crate::dynamics::stroboscope::{self, MAX_PERIOD};
-use crate::dynamics::tangent::{Bases, Vector};
 use crate::dynamics::taylor;
 use crate::experiment::{Scheme, Settings};
 use crate::measurement::Contact;
@@ -24,8 +23,9 @@ pub mod binding {
     pub const BIRKHOFF_WEIGHTS: u32 = 3;
     pub const PARAMETERS: u32 = 4;
     pub const ORBITS: u32 = 5;
-    pub const TOTALS: u32 = 6;
-    pub const LAST_STATES: u32 = 7;
+    pub const TANGENTS: u32 = 6;
+    pub const TOTALS: u32 = 7;
+    pub const LAST_STATES: u32 = 8;
 }
 
 /// Entries of the drive table, as large as every device allows a uniform buffer to be (64 KiB).
@@ -119,10 +119,6 @@ impl Parameters {
 pub struct Orbit {
     pub x: f32,
     pub y: f32,
-    pub first_x: f32,
-    pub first_y: f32,
-    pub second_x: f32,
-    pub second_y: f32,
     pub x_min: f32,
     pub x_max: f32,
     pub candidates: u32,
@@ -134,14 +130,9 @@ impl Orbit {
     /// The instance at the beginning of its run.
     pub fn start(set: &ParameterSet) -> Self {
         let x = set[Parameter::X0] as f32;
-        let Bases { first, second } = Bases::<f32>::start();
         Self {
             x,
             y: set[Parameter::Y0] as f32,
-            first_x: first.x,
-            first_y: first.y,
-            second_x: second.x,
-            second_y: second.y,
             x_min: x,
             x_max: x,
             candidates: u32::MAX,
@@ -149,25 +140,17 @@ impl Orbit {
             under_resolved: 0,
         }
     }
-
-    /// Turns the first tangent vector to `tangent`, and the second across.
-    pub fn turn(&mut self, [x, y]: [f64; 2]) {
-        let vector = Vector {
-            x: x as f32,
-            y: y as f32,
-        };
-        let Bases { first, second } = Bases::along(vector);
-        (self.first_x, self.first_y) = (first.x, first.y);
-        (self.second_x, self.second_y) = (second.x, second.y);
-    }
 }
 
-impl From<Orbit> for EndState {
-    fn from(orbit: Orbit) -> Self {
+/// One instance's tangent vector (X, Y), of length 1.
+pub type Tangent = [f32; 2];
+
+impl From<(Orbit, Tangent)> for EndState {
+    fn from((orbit, tangent): (Orbit, Tangent)) -> Self {
         Self {
             x: orbit.x.into(),
             y: orbit.y.into(),
-            tangent: [orbit.first_x.into(), orbit.first_y.into()],
+            tangent: tangent.map(f64::from),
             x_min: orbit.x_min.into(),
             x_max: orbit.x_max.into(),
             candidates: orbit.candidates,

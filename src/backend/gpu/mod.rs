@@ -23,6 +23,7 @@ use self::pacer::{Load, Pacer};
 use self::rubbed::RubbedBatch;
 use self::shader_source::{Kernel, Shader};
 use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
+use crate::dynamics::divergence_check::{alike, is_checked};
 use crate::experiment::{ExperimentError, MAX_MODES, MIN_EPSILON_0_F32, Scheme, Settings};
 use crate::measurement::BackendKind;
 use crate::parameters::{Parameter, ParameterSet};
@@ -119,6 +120,41 @@ impl GpuBackend {
         self.buffers.as_ref().expect("a batch is loaded before it is advanced")
     }
 
+    /// Carries the batch on by a slice through all of whose periods it goes in the same way, in as many dispatches as that
+    /// takes.
+    fn advance_alike(&mut self, kernel: Kernel, slice: &Slice) -> Result<(), BackendError> {
+        let load = self.load;
+        let mut done = 0;
+        while done < slice.periods {
+            let periods = self.pacer(kernel).periods(&load, slice.periods - done);
+            let mut first_instance = 0;
+            while first_instance < load.instances {
+                let left = load.instances - first_instance;
+                let instances = self.pacer(kernel).instances(&load, periods, left);
+                let started = Instant::now();
+                self.dispatch(
+                    kernel,
+                    Span {
+                        first_instance,
+                        instances,
+                        first: slice.first + done,
+                        periods,
+                        elapsed: slice.elapsed + done,
+                        measured: u32::from(slice.stage == Stage::Measure),
+                    },
+                )?;
+                self.pacer(kernel).record(&load, periods, instances, started.elapsed());
+                first_instance += instances;
+            }
+            done += periods;
+        }
+        Ok(())
+    }
+
+    fn pacer(&mut self, kernel: Kernel) -> &mut Pacer {
+        &mut self.pacers[self.scheme as usize][kernel as usize]
+    }
+
     fn dispatch(&self, kernel: Kernel, span: Span) -> Result<(), BackendError> {
         let buffers = self.buffers();
         let pipelines = self.context.pipelines();
@@ -185,41 +221,27 @@ impl Backend for GpuBackend {
         if self.is_rubbed {
             return Err(BackendError::tangents_with_heat());
         }
-        self.buffers().set_tangents(&self.context, tangents)
+        self.buffers().set_tangents(&self.context, tangents);
+        self.context.check()
     }
 
     fn advance(&mut self, slice: &Slice) -> Result<(), BackendError> {
         if let Some(rubbed) = self.rubbed.as_mut().filter(|_| self.is_rubbed) {
             return rubbed.advance(&self.context, slice);
         }
-        let kernel = match slice.stage {
-            Stage::Transient => Kernel::Plain,
-            Stage::Align | Stage::Measure => Kernel::Tangent,
-        };
-        let load = self.load;
-        let mut done = 0;
-        while done < slice.periods {
-            let periods = self.pacers[self.scheme as usize][kernel as usize].periods(&load, slice.periods - done);
-            let mut first_instance = 0;
-            while first_instance < load.instances {
-                let left = load.instances - first_instance;
-                let instances = self.pacers[self.scheme as usize][kernel as usize].instances(&load, periods, left);
-                let started = Instant::now();
-                self.dispatch(
-                    kernel,
-                    Span {
-                        first_instance,
-                        instances,
-                        first: slice.first + done,
-                        periods,
-                        elapsed: slice.elapsed + done,
-                        measured: u32::from(slice.stage == Stage::Measure),
-                    },
-                )?;
-                self.pacers[self.scheme as usize][kernel as usize].record(&load, periods, instances, started.elapsed());
-                first_instance += instances;
-            }
-            done += periods;
+        let mut left = *slice;
+        while left.periods > 0 {
+            let (kernel, alike) = match left.stage {
+                Stage::Transient => (Kernel::Plain, left.periods),
+                Stage::Measure if is_checked(left.first) => (Kernel::Checked, 1),
+                Stage::Measure => (Kernel::Tangent, alike(left.first)),
+                Stage::Align => (Kernel::Tangent, left.periods),
+            };
+            let periods = alike.min(left.periods);
+            self.advance_alike(kernel, &Slice { periods, ..left })?;
+            left.first += periods;
+            left.elapsed += periods;
+            left.periods -= periods;
         }
         Ok(())
     }

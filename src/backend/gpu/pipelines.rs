@@ -4,9 +4,8 @@
 
 use std::sync::OnceLock;
 
-use super::layout::{DRIVE_ENTRIES, Orbit};
-use super::layout::{Parameters, Run, Span, Totals, binding};
-use super::shader_source::{self, Kernel, Shader};
+use super::layout::{DRIVE_ENTRIES, Orbit, Parameters, Run, Span, Tangent, Totals, binding};
+use super::shader_source::{Kernel, Shader};
 use crate::experiment::Scheme;
 
 /// The kernels of one scheme.
@@ -62,7 +61,7 @@ impl Pipelines {
                 module: &module,
                 entry_point: Some(kernel.entry_point()),
                 compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: &shader_source::constants(self.workgroup_size),
+                    constants: &kernel.constants(self.workgroup_size),
                     ..Default::default()
                 },
                 cache: None,
@@ -79,7 +78,7 @@ impl Pipelines {
     }
 }
 
-fn entries() -> [wgpu::BindGroupLayoutEntry; 8] {
+fn entries() -> [wgpu::BindGroupLayoutEntry; 9] {
     use wgpu::BufferBindingType::{Storage, Uniform};
     let read = Storage { read_only: true };
     let read_write = Storage { read_only: false };
@@ -90,6 +89,7 @@ fn entries() -> [wgpu::BindGroupLayoutEntry; 8] {
         (binding::BIRKHOFF_WEIGHTS, read, size_of::<f32>()),
         (binding::PARAMETERS, read, size_of::<Parameters>()),
         (binding::ORBITS, read_write, size_of::<Orbit>()),
+        (binding::TANGENTS, read_write, size_of::<Tangent>()),
         (binding::TOTALS, read_write, size_of::<Totals>()),
         (binding::LAST_STATES, read_write, size_of::<[f32; 2]>()),
     ]

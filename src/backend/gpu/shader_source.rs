@@ -2,6 +2,7 @@
 //!
 //! Owns which pieces there are and in what order; knows nothing of devices.
 
+use crate::dynamics::divergence_check::CHECKED_EVERY;
 use crate::dynamics::stroboscope::MAX_PERIOD;
 use crate::dynamics::tangent::SMALLEST_SQUARE;
 use crate::experiment::Scheme;
@@ -33,6 +34,7 @@ shader! {
     "model/friction.wgsl"
     "model/motion.wgsl"
     "dynamics/tangent.wgsl"
+    "dynamics/divergence_check.wgsl"
     "dynamics/rk4.wgsl"
     "dynamics/stroboscope.wgsl"
     "kernels/rk4_plain.wgsl"
@@ -47,6 +49,7 @@ shader! {
     "model/friction.wgsl"
     "model/motion.wgsl"
     "dynamics/tangent.wgsl"
+    "dynamics/divergence_check.wgsl"
     "generated/taylor.wgsl"
     "dynamics/taylor.wgsl"
     "dynamics/taylor/growth.wgsl"
@@ -78,27 +81,31 @@ impl Shader {
 pub enum Kernel {
     /// The motion alone.
     Plain,
-    /// Motion and tangent vectors.
+    /// Motion and a tangent vector.
     Tangent,
+    /// Motion and both tangent vectors, through checked periods.
+    Checked,
 }
 
 impl Kernel {
-    pub const ALL: [Self; 2] = [Self::Plain, Self::Tangent];
+    pub const ALL: [Self; 3] = [Self::Plain, Self::Tangent, Self::Checked];
 
     pub fn entry_point(self) -> &'static str {
         match self {
             Self::Plain => "advance_plain",
-            Self::Tangent => "advance_tangent",
+            Self::Tangent | Self::Checked => "advance_tangent",
         }
     }
-}
 
-/// Values of the shader's `override` constants, so that each is defined in one place.
-pub fn constants(workgroup_size: u32) -> [(&'static str, f64); 4] {
-    [
-        ("WORKGROUP_SIZE", f64::from(workgroup_size)),
-        ("RUNAWAY_BOUND", RUNAWAY_BOUND),
-        ("SMALLEST_SQUARE", SMALLEST_SQUARE),
-        ("MAX_PERIOD", MAX_PERIOD as f64),
-    ]
+    /// Values of the shader's `override` constants, so that each is defined in one place.
+    pub fn constants(self, workgroup_size: u32) -> [(&'static str, f64); 6] {
+        [
+            ("WORKGROUP_SIZE", f64::from(workgroup_size)),
+            ("RUNAWAY_BOUND", RUNAWAY_BOUND),
+            ("SMALLEST_SQUARE", SMALLEST_SQUARE),
+            ("MAX_PERIOD", MAX_PERIOD as f64),
+            ("CHECKED_EVERY", f64::from(CHECKED_EVERY)),
+            ("IS_CHECKED", f64::from(u8::from(self == Self::Checked))),
+        ]
+    }
 }
