@@ -149,8 +149,9 @@ fn leave(flow: Flow, piece: Piece, series: Series, trial: f32) -> Leave {
     let goes_out = 0.0 < slope;
     let part = select(root - slope, -2.0 * beyond, goes_out) / select(2.0 * bend, slope + root, goes_out);
     let guess = clamp(fma(part, middle, start), start, stop);
-    let at_guess = v_and_slope_at(series, guess);
-    let newton = clamp(guess - (at_guess.x - boundary) / at_guess.y, start, stop);
+    // the parabola's slope there serves as that of v
+    let step_per_v = change * middle / fma(2.0 * bend, part, slope);
+    let newton = clamp(fma(boundary - v_at(series, guess), step_per_v, guess), start, stop);
     // where the parabola is no guide, Newton's step may go astray, back to where it started from: the lane then takes a
     // part of the way, and looks again from there
     let found = start < newton || part < ON_BOUNDARY;

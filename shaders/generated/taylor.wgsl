@@ -378,25 +378,6 @@ fn v_at(series: Series, s: f32) -> f32 {
     return t7;
 }
 
-fn v_and_slope_at(series: Series, s: f32) -> vec2<f32> {
-    let t0 = fma(series.v_8, s, series.v_7);
-    let t1 = fma(series.v_8, s, t0);
-    let t2 = fma(t0, s, series.v_6);
-    let t3 = fma(t1, s, t2);
-    let t4 = fma(t2, s, series.v_5);
-    let t5 = fma(t3, s, t4);
-    let t6 = fma(t4, s, series.v_4);
-    let t7 = fma(t5, s, t6);
-    let t8 = fma(t6, s, series.v_3);
-    let t9 = fma(t7, s, t8);
-    let t10 = fma(t8, s, series.v_2);
-    let t11 = fma(t9, s, t10);
-    let t12 = fma(t10, s, series.v_1);
-    let t13 = fma(t11, s, t12);
-    let t14 = fma(t12, s, series.v_0);
-    return vec2(t14, t13);
-}
-
 fn divergence_to(series: Series, s: f32) -> f32 {
     let t0 = 0.125 * series.by_w_7;
     let t1 = 0.14285714285714285 * series.by_w_6;

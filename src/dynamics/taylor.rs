@@ -238,8 +238,9 @@ fn leave<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series: &Ser
     let part = R::select(goes_out, R::splat(-2.0) * beyond, root - slope)
         / R::select(goes_out, slope + root, R::splat(2.0) * bend);
     let guess = part.mul_add(middle, from).max(from).min(to);
-    let (v, slope) = series.v_and_slope_at(guess);
-    let newton = guess - (v - boundary) / slope;
+    // the parabola's slope there serves as that of v
+    let step_per_v = change * middle / (R::splat(2.0) * bend).mul_add(part, slope);
+    let newton = (boundary - series.v_at(guess)).mul_add(step_per_v, guess);
     let newton = newton.max(from).min(to);
     // where the parabola is no guide, Newton's step may go astray, back to where it started from: the lane then takes a
     // part of the way, and looks again from there

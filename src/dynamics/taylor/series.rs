@@ -170,18 +170,6 @@ impl<T: Number, const L: usize> Series<T, L> {
         horner(&self.v, s)
     }
 
-    /// v and v' at s.
-    #[inline(always)]
-    pub fn v_and_slope_at(&self, s: T) -> (T, T) {
-        let mut value = self.v[L - 1];
-        let mut slope = value;
-        for n in (1..L - 1).rev() {
-            value = value.fused(s, self.v[n]);
-            slope = slope.fused(s, value);
-        }
-        (value.fused(s, self.v[0]), slope)
-    }
-
     /// The divergence integrated from 0 to s.
     #[inline(always)]
     pub fn divergence_to(&self, s: T) -> T {

@@ -232,17 +232,6 @@ fn evaluation<'a>(body: &'a Body, name: &str, value: impl Fn(&SymbolSeries<'a>, 
     )
 }
 
-fn v_and_slope_at() -> String {
-    let body = Body::default();
-    let (value, slope) = given(&body).v_and_slope_at(body.named("s"));
-    format!(
-        "fn v_and_slope_at(series: Series, s: f32) -> vec2<f32> {{\n{}    return vec2({}, {});\n}}\n\n",
-        body.text(),
-        value.text(),
-        slope.text()
-    )
-}
-
 fn vector_at() -> String {
     let body = Body::default();
     let start = Vector {
@@ -271,7 +260,6 @@ pub fn source() -> String {
     text += &evaluation(&body(), "x_at", |series, s| series.x_at(s));
     text += &evaluation(&body(), "w_at", |series, s| series.w_at(s));
     text += &evaluation(&body(), "v_at", |series, s| series.v_at(s));
-    text += &v_and_slope_at();
     text += &evaluation(&body(), "divergence_to", |series, s| series.divergence_to(s));
     text += &vector_at();
     text
