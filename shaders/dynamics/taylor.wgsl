@@ -186,9 +186,10 @@ fn rotate(sin_z: f32, cos_z: f32, s: f32) -> vec2<f32> {
 fn turning(step: Step) -> f32 {
     let before = step.series.w_0;
     let turns = before * step.end.w < 0.0;
-    let slope = select(1.0, (step.end.w - before) / step.s, turns);
-    let at = -before / slope;
+    // over the mean slope of w
+    let inverse_slope = step.s / select(1.0, step.end.w - before, turns);
+    let at = -(before * inverse_slope);
     let w = w_at(step.series, at);
-    let x = x_at(step.series, at) - 0.5 * w * w / slope;
+    let x = x_at(step.series, at) - 0.5 * w * w * inverse_slope;
     return select(step.end.x, x, turns);
 }

@@ -278,9 +278,10 @@ fn rotate<R: Real>(sin: R, cos: R, s: R) -> (R, R) {
 pub fn turning<R: Real, const L: usize>(step: &Step<R, L>, end: &State<R>) -> R {
     let before = step.series.w[0];
     let turns = (before * end.w).less(R::splat(0.0));
-    let slope = (end.w - before) / step.s;
-    let at = -before / slope;
+    // over the mean slope of w
+    let inverse_slope = step.s / (end.w - before);
+    let at = -(before * inverse_slope);
     let w = step.series.w_at(at);
-    let x = step.series.x_at(at) - R::splat(0.5) * w * w / slope;
+    let x = step.series.x_at(at) - R::splat(0.5) * w * w * inverse_slope;
     R::select(turns, x, end.x)
 }
