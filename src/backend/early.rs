@@ -36,9 +36,13 @@ const BATCH: u32 = 8;
 /// A motion is chaotic once its mean growth stands so many standard errors above zero...
 const CERTAINTY: f64 = 6.0;
 
+/// ...and by which vectors have grown by more than exp of this: an orbit that leaves an unstable cycle grows steadily, too, from
+/// the distance at which it would have been taken for the cycle, exp(-8.5) by the default tolerance, to that of other motion...
+const GROWN: f64 = 9.0;
+
 /// ...over at least this many periods, and half of those that were asked for: so that errors are worth what they claim, and
 /// more periods give a smaller one.
-const LEAST_PERIODS: u32 = 128;
+const LEAST_PERIODS: u32 = 192;
 
 /// Measures a batch of instances of constant contact pressure; `progress` hears of full-length runs, whatever they took.
 /// None if it broke the run off.
@@ -300,7 +304,8 @@ impl Batch<'_> {
                 backend: backend.kind(),
             });
             let (lyapunov, error) = (measurement.lyapunov, measurement.lyapunov_error);
-            if measurement.class == Some(Class::Chaotic) && lyapunov > CERTAINTY * error && error > CONSTANT_GROWTH {
+            let is_certain = lyapunov > CERTAINTY * error && lyapunov * measurement.lyapunov_interval > GROWN;
+            if measurement.class == Some(Class::Chaotic) && is_certain && error > CONSTANT_GROWTH {
                 self.measured[live.index] = Some(Measurement {
                     // the weights of a leg are not those of a run
                     lyapunov_birkhoff: live.growth.weighted_rate() / live.parameters.forcing_period(),

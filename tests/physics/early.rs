@@ -30,7 +30,7 @@ fn is_decided_early(m: &Measurement) -> bool {
 
 #[test]
 fn classes_are_those_of_runs_at_full_length_for_a_third_of_their_work() {
-    let points = map_points(7);
+    let points = map_points(1);
     for precision in PRECISIONS {
         let full = measure(precision, &full_length(), &points);
         let early = measure(precision, &Settings::default(), &points);
@@ -55,6 +55,33 @@ fn classes_are_those_of_runs_at_full_length_for_a_third_of_their_work() {
         // the period of a cycle is its least one
         for (m, f) in pairs().filter(|(m, f)| m.period.is_some() && f.period.is_some()) {
             assert_eq!(m.period, f.period, "{precision:?} {m:?} {f:?}");
+        }
+    }
+}
+
+/// Both leave an unstable cycle so slowly that vectors grow steadily for some two hundred periods; both end on a cycle of period 4.
+#[test]
+fn a_slow_departure_from_an_unstable_cycle_is_not_taken_for_chaos() {
+    let points = [(4.04, 0.9), (4.52, 1.46)].map(|(zeta_k, h1)| {
+        let point = ParameterSet::default().with(Parameter::ZetaK, zeta_k);
+        point.with(Parameter::H1, h1)
+    });
+    let long = Settings {
+        transient_periods: 1000,
+        periods: 1000,
+        ..full_length()
+    };
+    for precision in PRECISIONS {
+        for (m, f) in measure(precision, &Settings::default(), &points)
+            .iter()
+            .zip(measure(precision, &long, &points))
+        {
+            assert_eq!(
+                (f.class, f.period),
+                (Some(Class::Regular), Some(4)),
+                "{precision:?} {f:?}"
+            );
+            assert_ne!(m.class, Some(Class::Chaotic), "{precision:?} {m:?}");
         }
     }
 }
