@@ -16,8 +16,14 @@ fn advance_plain(@builtin(global_invocation_id) thread: vec3<u32>) {
     var y = orbits[instance].y;
     for (var n = 0u; n < span.periods; n++) {
         var state = state_start(flow, x, y * unit, TICKS_PER_PERIOD);
-        for (var taken = 0u; taken < MAX_PASSES && state.left != 0u; taken++) {
+        var taken = 0u;
+        // a period begins with ticks to go: asked at a pass's end, threads that go in step do not wait for an idle one
+        loop {
             state = taylor_step(flow, state).end;
+            taken++;
+            continuing {
+                break if state.left == 0u || taken == MAX_PASSES;
+            }
         }
         x = state.x;
         y = state.w / unit;

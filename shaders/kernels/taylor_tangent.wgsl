@@ -27,7 +27,10 @@ fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
         var first = Vector(tangent.x, tangent.y * unit);
         var area = area_new(first);
         var divergence = 0.0;
-        for (var taken = 1u; taken <= MAX_PASSES && state.left != 0u; taken++) {
+        var taken = 0u;
+        // a period begins with ticks to go: asked at a pass's end, threads that go in step do not wait for an idle one
+        loop {
+            taken++;
             let step = taylor_step(flow, state);
             let turn = turning(step);
             first = vector_at(step.series, first, step.s);
@@ -41,6 +44,9 @@ fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
             orbit.x_min = min(orbit.x_min, min(turn, step.end.x));
             orbit.x_max = max(orbit.x_max, max(turn, step.end.x));
             state = step.end;
+            continuing {
+                break if state.left == 0u || taken == MAX_PASSES;
+            }
         }
         var growth: Growth;
         if (IS_CHECKED) {
