@@ -4,6 +4,8 @@
 
 use std::ops::ControlFlow;
 
+use rayon::prelude::*;
+
 use super::evaluation::{Ended, Growth};
 use super::{Backend, BackendError, Slice, Stage, early};
 use crate::dynamics::statistics;
@@ -118,16 +120,18 @@ pub(super) fn measure_alike(
         if advance(backend, Stage::Measure, batch.clone())?.is_break() {
             return Ok(None);
         }
-        for (growth, sums) in growth.iter_mut().zip(backend.collect()?) {
-            growth.add(batch.len() as f64, &sums);
-        }
+        let sums = backend.collect()?;
+        growth
+            .par_iter_mut()
+            .zip(&sums)
+            .for_each(|(growth, sums)| growth.add(batch.len() as f64, sums));
     }
     let ends = backend.end_states()?;
     let kind = backend.kind();
     Ok(Some(
         instances
-            .iter()
-            .zip(growth.iter().zip(&ends))
+            .par_iter()
+            .zip(growth.par_iter().zip(&ends))
             .map(|(parameters, (growth, state))| {
                 growth.measurement(&Ended {
                     parameters,

@@ -285,8 +285,10 @@ impl<I: Instructions, B: Block> Blocks<I, B> {
         }
     }
 
-    fn for_instances<T>(&self, value: impl Fn(&B, usize) -> T) -> Vec<T> {
+    fn for_instances<T: Send>(&self, value: impl Fn(&B, usize) -> T + Sync) -> Vec<T> {
         (0..self.instances)
+            .into_par_iter()
+            .with_min_len(256)
             .map(|index| value(&self.blocks[index / B::INSTANCES], index % B::INSTANCES))
             .collect()
     }
