@@ -67,7 +67,8 @@ impl Case {
         if self.scheme.carries_heat() {
             (16, 16)
         } else {
-            (100, 100)
+            // as many measured ones as a map has by default: sums are collected as often
+            (100, 250)
         }
     }
 
