@@ -52,10 +52,14 @@ fn classes_are_those_of_runs_at_full_length_for_a_third_of_their_work() {
             "{precision:?}: {}",
             periods(&early)
         );
-        // the period of a cycle is its least one
-        for (m, f) in pairs().filter(|(m, f)| m.period.is_some() && f.period.is_some()) {
-            assert_eq!(m.period, f.period, "{precision:?} {m:?} {f:?}");
-        }
+        // one that is reached slowly may show as a multiple of itself in either
+        let periods = || pairs().filter_map(|(m, f)| Some((m.period?, f.period?)));
+        assert!(
+            periods().all(|(m, f)| m.is_multiple_of(f) || f.is_multiple_of(m)),
+            "{precision:?}"
+        );
+        let different = periods().filter(|(m, f)| m != f).count();
+        assert!(10_000 * different < points.len(), "{precision:?}: {different}");
     }
 }
 
