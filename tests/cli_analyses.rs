@@ -359,3 +359,34 @@ fn an_axis_goes_over_the_preset() {
     assert_eq!(names, "gamma,x,y");
     assert!((rows[0][0] - 0.1).abs() < 1e-12 && rows.iter().any(|row| (row[0] - 0.2).abs() < 1e-12));
 }
+
+#[test]
+fn a_place_that_cannot_be_written_is_refused_before_any_work() {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("file"), "precious").unwrap();
+    // minutes of work each, were it begun
+    for args in [
+        &["lyapunov", "--x", "zeta_k=3:5:20000"][..],
+        &["bifurcation", "--x", "zeta_k=3:5:20000"],
+        &["phase", "--periods", "1000000"],
+        &["poincare", "--points", "100000000"],
+        &["melnikov", "--over", "h1=0:2:100000"],
+        &["history", "--periods", "7000"],
+        &["map", "--periods", "10000"],
+        &["map", "--periods", "10000", "--dry-run"],
+    ] {
+        let args = [args, &["--out", "file/new/q"]].concat();
+        assert_refused(folder.path(), &args, "cannot write file/new/q");
+    }
+    assert_refused(
+        folder.path(),
+        &["phase", "--out", "/proc/q"],
+        "cannot write /proc/q.png",
+    );
+    assert_eq!(fs::read(folder.path().join("file")).unwrap(), b"precious");
+    assert_eq!(
+        fs::read_dir(folder.path()).unwrap().count(),
+        1,
+        "nothing is left behind"
+    );
+}
