@@ -427,6 +427,42 @@ fn help_shows_the_parameters_and_the_classes() {
 }
 
 #[test]
+fn errors_are_told_once_and_with_their_line() {
+    let folder = TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    fs::write(path("e.toml"), "[set]\nh1 = 0.5\nzetak = 3.9\n").unwrap();
+    fs::write(path("m.toml"), "shaft_radius = 1e-3\nbush_radiu = 5e-3\n").unwrap();
+    fs::write(path("steel.toml"), "\n\n\nmaterial = \"stele\"\n").unwrap();
+    for (args, reason, place) in [
+        (&["map", "e.toml"][..], "did you mean `zeta_k`?", "line 3, column 1"),
+        (
+            &["machine", "m.toml"],
+            "did you mean `bush_radius`?",
+            "line 2, column 1",
+        ),
+        (
+            &["machine", "steel.toml"],
+            "there is no material `stele`",
+            "line 4, column 12",
+        ),
+        (&["map", "missing.toml"], "No such file or directory", "missing.toml"),
+        (&["render", "missing.zarr"], "there is no store", "missing.zarr"),
+        (
+            &["map", "--from", "missing.png"],
+            "No such file or directory",
+            "missing.png",
+        ),
+        (&["phase", "--out", "e.toml/q"], "Not a directory", "e.toml/q"),
+    ] {
+        let output = tribochaos(folder.path(), args);
+        let stderr = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {stderr}");
+        assert_eq!(stderr.matches(reason).count(), 1, "{args:?}: {stderr}");
+        assert_eq!(stderr.matches(place).count(), 1, "{args:?}: {stderr}");
+    }
+}
+
+#[test]
 #[cfg(unix)]
 fn ctrl_c_keeps_what_is_finished() {
     use std::time::{Duration, Instant};

@@ -168,7 +168,7 @@ fn compute(experiment: &Experiment, choice: Choice, store: &mut MapStore) -> Res
         let measurements = backends
             .measure(&experiment.grid, settings, &indices, &mut |event| progress.hear(event))
             .map_err(|error| match Failure::backend(error) {
-                Failure::Run(error) => Failure::Run(anyhow!(kept(&format!("{error:#}")))),
+                Failure::Run(error) => Failure::Run(anyhow!(kept(&super::told(&error)))),
                 other => other,
             })?
             .ok_or_else(|| Failure::Interrupted(kept("stopped by Ctrl-C")))?;

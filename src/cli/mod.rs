@@ -113,6 +113,18 @@ impl Failure {
     }
 }
 
+/// An error with its causes. Many tell their cause themselves, to say behind it what to do: no cause is told twice.
+fn told(error: &anyhow::Error) -> String {
+    let mut text = String::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text += if text.is_empty() { "" } else { ": " };
+            text += &cause;
+        }
+    }
+    text
+}
+
 pub fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Map(args) => map::run(&args),
@@ -132,11 +144,11 @@ pub fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Input(error)) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", told(&error));
             ExitCode::from(2)
         }
         Err(Failure::Run(error)) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", told(&error));
             ExitCode::from(1)
         }
         Err(Failure::Interrupted(message)) => {

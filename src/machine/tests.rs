@@ -437,3 +437,20 @@ fn limits_of_the_material_are_passed_by_temperature_and_pressure() {
     );
     assert_eq!(machine.beyond(f64::NAN, f64::NAN), []);
 }
+
+#[test]
+fn names_that_are_wrong_are_reported_with_their_line() {
+    for (toml, line) in [
+        (
+            "shaft_radius = 1e-3\nbush_radius = 5e-3\ninterferense = 1e-9\n",
+            "3 | interferense",
+        ),
+        (
+            "shaft_radius = 1e-3\n# a comment\nmaterial = \"stele\"\n",
+            "3 | material",
+        ),
+    ] {
+        let message = Description::from_toml(toml).unwrap_err().to_string();
+        assert!(message.contains("at line 3, ") && message.contains(line), "{message}");
+    }
+}
