@@ -9,6 +9,7 @@ use std::process::{Command, Output};
 use assert_cmd::cargo::cargo_bin;
 use serde_json::Value;
 use tempfile::TempDir;
+use tribochaos::experiment::Settings;
 
 use program::{text, tribochaos};
 
@@ -419,11 +420,82 @@ fn help_shows_the_parameters_and_the_classes() {
         "epsilon_0",
         "ωₖ",
         "half-width of the regularised friction layer",
-        "L - 3 S > 0",
+        "L - 3 S > 0, and a disturbance grew by more than e over the measurement",
         "--align-periods",
     ] {
         assert!(help.contains(said), "{said}");
     }
+}
+
+/// The default that the help of a command names for an option.
+#[track_caller]
+fn told(command: &str, option: &str) -> String {
+    let output = tribochaos(Path::new("."), &[command, "--help"]);
+    let help = text(&output.stdout);
+    let words = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    let (_, behind) = words.split_once(&format!(" --{option} <")).expect(option);
+    let (_, default) = behind.split_once("[default: ").expect(option);
+    default.split_once(']').unwrap().0.to_owned()
+}
+
+#[test]
+fn help_names_the_defaults_that_hold() {
+    let folder = TempDir::new().unwrap();
+    let defaults = Settings::default();
+    for (option, default) in [
+        ("modes", defaults.modes.to_string()),
+        ("tolerance", format!("{:e}", defaults.tolerance)),
+        ("transient-periods", defaults.transient_periods.to_string()),
+        (
+            "align-periods",
+            format!("{}, or the whole of a shorter transient", defaults.align_periods),
+        ),
+        ("periods", defaults.periods.to_string()),
+        ("renormalise-every", defaults.renormalise_every.to_string()),
+        ("period-tolerance", format!("{:e}", defaults.period_tolerance)),
+        ("initial-states", defaults.initial_states.to_string()),
+        ("seed", defaults.seed.to_string()),
+    ] {
+        for command in ["map", "point", "lyapunov"] {
+            assert_eq!(told(command, option), default, "{command} --{option}");
+        }
+    }
+    // by the same words as if nothing had been typed
+    let printed =
+        |args: &[&str]| text(&tribochaos(folder.path(), &[&["map", "--print-experiment"], args].concat()).stdout);
+    let typed: Vec<String> = ["x", "y", "initial-box", "backend"]
+        .iter()
+        .map(|option| format!("--{option}={}", told("map", option)))
+        .collect();
+    assert_eq!(
+        printed(&typed.iter().map(String::as_str).collect::<Vec<_>>()),
+        printed(&[])
+    );
+    // and those of commands that have others, as their tables hold them
+    let phase = ["phase", "--set", "zeta_k=1"];
+    let history = ["history", "--samples", "4"];
+    let poincare = ["poincare", "--points", "64"];
+    let bifurcation = ["bifurcation", "--x", "zeta_k=1:2:2"];
+    for (args, option) in [
+        (&phase[..], "periods"),
+        (&phase, "transient-periods"),
+        (&history, "periods"),
+        (&poincare, "transient-periods"),
+        (&bifurcation, "periods"),
+        (&bifurcation, "transient-periods"),
+    ] {
+        let command = args[0];
+        let output = tribochaos(folder.path(), args);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let table = fs::read_to_string(folder.path().join(format!("outputs/{command}.csv"))).unwrap();
+        let key = format!("# {} = ", option.replace('-', "_"));
+        // options come before settings
+        let held = table.lines().find_map(|line| line.strip_prefix(&key)).expect(&key);
+        assert_eq!(told(command, option), held, "{command} --{option}");
+    }
+    // what follows from another option has no default of its own
+    let help = text(&tribochaos(folder.path(), &["poincare", "--help"]).stdout);
+    assert!(!help.contains("--periods"), "{help}");
 }
 
 #[test]

@@ -37,8 +37,7 @@ pub struct MapArgs {
     y: Option<Axis>,
     #[command(flatten)]
     experiment: ExperimentArgs,
-    /// Points computed again on the CPU in f64 to audit the map [default: 32 of a GPU map, else 0]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help = format!("Points computed again on the CPU in f64 to audit the map [default: {DEFAULT_AUDIT} of a GPU map, else 0]"))]
     audit: Option<u32>,
     /// Run every point to its full length, also where its motion has shown early what it is
     #[arg(long)]
