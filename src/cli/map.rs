@@ -216,14 +216,9 @@ fn audit_map(
 }
 
 fn dry_run(experiment: &Experiment, mut choice: Choice, outputs: &outputs::Outputs) -> Result<(), Failure> {
-    let seconds = estimate::seconds(choice.backends.active_mut(), experiment).map_err(Failure::backend)?;
     say!("{}\n{}", report::plan(experiment), report::device(&choice));
-    let most = if experiment.settings.decides_early() {
-        "at full length, "
-    } else {
-        ""
-    };
-    say!("{most}about {}", report::duration(Duration::from_secs_f64(seconds)));
+    let seconds = estimate::seconds(&mut choice.backends, experiment).map_err(Failure::backend)?;
+    say!("about {}", report::duration(Duration::from_secs_f64(seconds)));
     say!("would write {}", outputs.store().display());
     Ok(())
 }
