@@ -327,6 +327,10 @@ fn bad_input_is_refused_with_a_reason_before_any_work() {
     for (args, reason) in [
         (&["map", "--x", "zetak=0:1:5"][..], "did you mean `zeta_k`"),
         (&["map", "--set", "gravity=1"], "unknown parameter"),
+        (
+            &["map", "--set", "interferense=1"],
+            "`tribochaos machine --help` the quantities of a machine",
+        ),
         (&["map", "--x", "zeta_k=1:1:5"], "two different ends"),
         (&["map", "--x", "zeta_k=0:1:1"], "needs 2"),
         (&["map", "--x", "zeta_k=0:nan:10"], "out of range"),
@@ -532,6 +536,17 @@ fn errors_are_told_once_and_with_their_line() {
         assert_eq!(stderr.matches(reason).count(), 1, "{args:?}: {stderr}");
         assert_eq!(stderr.matches(place).count(), 1, "{args:?}: {stderr}");
     }
+}
+
+#[test]
+fn a_picture_of_another_command_is_told_from_a_strange_one() {
+    let folder = TempDir::new().unwrap();
+    let drawn = tribochaos(folder.path(), &["bifurcation", "--x", "zeta_k=1:2:2", "--out", "b"]);
+    assert!(drawn.status.success());
+    assert_refused(
+        &tribochaos(folder.path(), &["map", "--from", "b.png"]),
+        "b.png was drawn by `tribochaos bifurcation`: --from takes the picture of a map",
+    );
 }
 
 #[test]

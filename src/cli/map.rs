@@ -1,6 +1,6 @@
 //! `map`: from a request to a store, pictures and the threshold.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
@@ -8,8 +8,8 @@ use clap::Args;
 use tribochaos::experiment::{Experiment, Request};
 use tribochaos::grid::Axis;
 use tribochaos::output::picture::Style;
-use tribochaos::output::png;
 use tribochaos::output::store::MapStore;
+use tribochaos::output::{drawing, png};
 use tribochaos::sweep::audit::{self, Audit};
 use tribochaos::sweep::choice::{self, Choice};
 use tribochaos::sweep::{self, estimate};
@@ -67,7 +67,7 @@ impl MapArgs {
         let mut request = match (&self.experiment_file, &self.from) {
             (Some(path), _) => request::read(path).map_err(Failure::Input)?,
             (None, Some(picture)) => {
-                let toml = png::read_experiment(picture).map_err(Failure::input)?;
+                let toml = experiment_in(picture).map_err(Failure::Input)?;
                 Request::from_toml(&toml).map_err(Failure::input)?
             }
             (None, None) => Request::default(),
@@ -87,6 +87,24 @@ impl MapArgs {
         request.out = self.out.clone().or(request.out);
         Ok(request)
     }
+}
+
+/// The experiment in a picture, in TOML.
+///
+/// # Errors
+/// If there is none: that of another command is none of a map.
+fn experiment_in(picture: &Path) -> anyhow::Result<String> {
+    png::read_experiment(picture).map_err(|error| {
+        let recipe = drawing::read_recipe(picture).ok().flatten();
+        let recipe = recipe.and_then(|recipe| recipe.parse::<toml::Table>().ok());
+        match recipe.as_ref().and_then(|recipe| recipe.get("command")?.as_str()) {
+            Some(command) => anyhow!(
+                "{} was drawn by `tribochaos {command}`: --from takes the picture of a map",
+                picture.display()
+            ),
+            None => error.into(),
+        }
+    })
 }
 
 pub fn run(args: &MapArgs) -> Result<(), Failure> {
