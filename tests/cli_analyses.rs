@@ -276,7 +276,7 @@ fn reproduce_computes_what_is_not_current() {
         said.contains("| 4.1 | zeta_k from which M changes sign, h1 = 0.5 | 3.50 to 3.90 | 3.6933 | within |"),
         "{said}"
     );
-    let path = |name: &str| folder.path().join("outputs/paper").join(name);
+    let path = |name: &str| folder.path().join("outputs/paper-quick").join(name);
     for name in [
         "figure-4.1.png",
         "figure-4.1.svg",
@@ -288,10 +288,36 @@ fn reproduce_computes_what_is_not_current() {
     }
     assert!(run(folder.path(), &args).contains("figure 4.1 is current"));
     fs::remove_file(path("figure-4.1.png")).unwrap();
-    assert!(run(folder.path(), &args).contains("wrote outputs/paper/figure-4.1.png"));
+    assert!(run(folder.path(), &args).contains("wrote outputs/paper-quick/figure-4.1.png"));
+
+    // what was changed is no longer what was computed
+    let picture = fs::read(path("figure-4.1.png")).unwrap();
+    for (name, other) in [
+        ("figure-4.1.png", &picture[..1000]),
+        ("figure-4.1.svg", b"<svg/>"),
+        ("figure-4.1b.csv", b"tau_0,M\n"),
+    ] {
+        fs::write(path(name), other).unwrap();
+        assert!(run(folder.path(), &args).contains("wrote"), "{name}");
+    }
+    assert_eq!(fs::read(path("figure-4.1.png")).unwrap(), picture);
+
+    // quick figures do not take the place of full ones unasked
+    let full = ["reproduce", "--figure", "4.1"];
+    run(folder.path(), &full);
+    assert!(run(folder.path(), &args).contains("figure 4.1 is current"));
+    assert!(run(folder.path(), &full).contains("figure 4.1 is current"));
+    let over = [&args[..], &["--out", "outputs/paper"]].concat();
+    assert_refused(folder.path(), &over, "holds the full figure 4.1");
+    run(folder.path(), &[&over[..], &["--force"]].concat());
 
     assert_refused(folder.path(), &["reproduce", "--figure", "9.9"], "3.1, 3.2, 4.1");
     fs::write(folder.path().join("file"), "").unwrap();
+    assert_refused(
+        folder.path(),
+        &["reproduce", "--out", "file/paper"],
+        "cannot write file/paper/table.md",
+    );
     assert_refused(folder.path(), &["reproduce", "--out", "file"], "is a file");
 }
 
