@@ -91,6 +91,23 @@ fn the_template_is_the_paper_s_preset_and_sensitivities_are_told() {
     assert_eq!(cells[1..5], ["0.50", "-0.50", "0.50", "-"], "{row}");
     assert!(text(&output.stderr).contains("warning: interference"));
 
+    // the length of the contact is in three groups, and moves no other
+    fs::write(
+        folder.path().join("whole.toml"),
+        format!(
+            "length = 0.02\n{}",
+            fs::read_to_string(folder.path().join("m.toml")).unwrap()
+        ),
+    )
+    .unwrap();
+    let whole = done(&tribochaos(folder.path(), &["machine", "whole.toml"]));
+    let rows: Vec<&str> = whole
+        .lines()
+        .filter(|line| line.trim_start().starts_with("length "))
+        .collect();
+    assert_eq!(rows.len(), 2, "{whole}");
+    assert!(!rows.iter().any(|row| row.contains("0.00")), "{rows:?}");
+
     let materials = done(&tribochaos(folder.path(), &["machine", "--materials"]));
     assert!(materials.starts_with("paper_steel") && materials.contains("Callister"));
     let materials = json(&tribochaos(folder.path(), &["machine", "--materials", "--json"]));

@@ -454,3 +454,20 @@ fn names_that_are_wrong_are_reported_with_their_line() {
         assert!(message.contains("at line 3, ") && message.contains(line), "{message}");
     }
 }
+
+#[test]
+fn the_contact_length_moves_nothing_but_what_it_enters() {
+    let mut description = generic().description(&[]);
+    description.values.insert(Q::Length, 0.3);
+    let whole = description.complete(&[]).unwrap();
+    let table = sensitivities(&whole);
+    let row = table
+        .quantities
+        .iter()
+        .position(|quantity| *quantity == Q::Length)
+        .unwrap();
+    for (group, value) in table.groups.iter().zip(&table.values[row]) {
+        let enters = ["epsilon", "h1", "k_star"].contains(&group.name);
+        assert_eq!(*value != 0.0, enters, "{}: {value}", group.name);
+    }
+}
