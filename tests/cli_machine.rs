@@ -142,7 +142,13 @@ fn a_point_tells_its_results_in_si_units_and_what_cannot_be() {
     assert_near(&point["contact_time"], 72.06, 2e-3);
     assert_near(&point["final_wear"], 30.2, 5e-3);
     let printed = tribochaos(folder.path(), &[&["point"], &at_rest[..]].concat());
-    assert!(done(&printed).contains("(1.2211 s)") && !text(&printed.stderr).contains("fiction"));
+    assert!(done(&printed).contains("(1.2211 s)"));
+    // the shaft holds; that the wells of this machine lie at 1 rad shows
+    let stderr = text(&printed.stderr);
+    assert!(
+        stderr.matches("fiction").count() == 1 && stderr.contains("fiction: the bush would turn by 2.5"),
+        "{stderr}"
+    );
 
     // twice the speed: beyond yield
     let tight = [&["point", "--json", "--set", "shaft_speed_amplitude=450"], &at_rest[..]].concat();
@@ -477,4 +483,37 @@ fn bad_machines_are_refused_with_a_reason_before_any_work() {
         before,
         "nothing was written"
     );
+}
+
+#[test]
+fn a_bush_that_turns_too_far_is_told_once() {
+    let folder = folder();
+    let far = [&["--machine", "m.toml", "--set", "x0=1.9"][..], &COLD].concat();
+    let point = tribochaos(
+        folder.path(),
+        &[
+            &["point"],
+            &far[..],
+            &["--set", "damping=0", "--periods", "16", "--transient-periods", "0"],
+        ]
+        .concat(),
+    );
+    done(&point);
+    let warned = |output: &Output| text(&output.stderr).matches("the bush would turn by").count();
+    assert_eq!(warned(&point), 1, "{}", text(&point.stderr));
+    let history = tribochaos(folder.path(), &[&["history"], &far[..], &["--periods", "2"]].concat());
+    done(&history);
+    assert_eq!(warned(&history), 1, "{}", text(&history.stderr));
+    let axes = [
+        "map",
+        "--x",
+        "shaft_speed_amplitude=200:800:4",
+        "--y",
+        "damping=100:800:3",
+        "--out",
+        "far",
+    ];
+    let map = tribochaos(folder.path(), &[&axes[..], &far, &["--backend", "cpu"]].concat());
+    done(&map);
+    assert_eq!(warned(&map), 1, "{}", text(&map.stderr));
 }

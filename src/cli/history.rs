@@ -83,7 +83,8 @@ pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
         final_wear: last.wear,
         peak_temperature: history.peak_temperature,
     };
-    let beyond = si::beyond(&at, &contact);
+    let angle = history.samples.iter().map(|sample| sample.x.abs()).fold(0.0, f64::max);
+    let beyond = si::beyond(&at, &contact, angle);
     for warning in &beyond {
         eprintln!("warning: {warning}");
     }
