@@ -50,18 +50,20 @@ impl ParameterMap {
             .collect()
     }
 
-    /// Where the results are fiction, since the material of the machine would melt or yield, each kind a sentence: at how
-    /// many points, and the worst.
+    /// Where the results are fiction, since the material of the machine would melt or yield, or the bush turn too far for the
+    /// model, each kind a sentence: at how many points, and the worst.
     pub fn beyond_limits(&self) -> Vec<String> {
         let grid = &self.experiment.grid;
         let (pressures, temperatures) = (
             self.column(Quantity::PeakPressure),
             self.column(Quantity::PeakTemperature),
         );
+        let (lowest, highest) = (self.column(Quantity::XMin), self.column(Quantity::XMax));
         let mut kinds: BTreeMap<&str, (usize, usize, Beyond)> = BTreeMap::new();
         for index in 0..grid.len() {
             let Some(machine) = grid.machine(index) else { break };
-            for beyond in machine.beyond(pressures[index], temperatures[index]) {
+            let angle = lowest[index].abs().max(highest[index].abs());
+            for beyond in machine.beyond(pressures[index], temperatures[index], angle) {
                 let (count, worst, most) = kinds.entry(beyond.name()).or_insert((0, index, beyond));
                 *count += 1;
                 if beyond.factor() > most.factor() {

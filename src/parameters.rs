@@ -201,7 +201,8 @@ impl IndexMut<Parameter> for ParameterSet {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ParameterError {
     #[error(
-        "unknown parameter `{name}`{}; `tribochaos map --help` lists them all",
+        "unknown parameter `{name}`{}; `tribochaos map --help` lists the parameters, `tribochaos machine --help` the \
+         quantities of a machine",
         suggestion.map(|near| format!(": did you mean `{near}`?")).unwrap_or_default()
     )]
     Unknown {

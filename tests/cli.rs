@@ -9,6 +9,7 @@ use std::process::{Command, Output};
 use assert_cmd::cargo::cargo_bin;
 use serde_json::Value;
 use tempfile::TempDir;
+use tribochaos::experiment::Settings;
 
 use program::{text, tribochaos};
 
@@ -326,6 +327,10 @@ fn bad_input_is_refused_with_a_reason_before_any_work() {
     for (args, reason) in [
         (&["map", "--x", "zetak=0:1:5"][..], "did you mean `zeta_k`"),
         (&["map", "--set", "gravity=1"], "unknown parameter"),
+        (
+            &["map", "--set", "interferense=1"],
+            "`tribochaos machine --help` the quantities of a machine",
+        ),
         (&["map", "--x", "zeta_k=1:1:5"], "two different ends"),
         (&["map", "--x", "zeta_k=0:1:1"], "needs 2"),
         (&["map", "--x", "zeta_k=0:nan:10"], "out of range"),
@@ -419,11 +424,129 @@ fn help_shows_the_parameters_and_the_classes() {
         "epsilon_0",
         "ωₖ",
         "half-width of the regularised friction layer",
-        "L - 3 S > 0",
+        "L - 3 S > 0, and a disturbance grew by more than e over the measurement",
         "--align-periods",
     ] {
         assert!(help.contains(said), "{said}");
     }
+}
+
+/// The default that the help of a command names for an option.
+#[track_caller]
+fn told(command: &str, option: &str) -> String {
+    let output = tribochaos(Path::new("."), &[command, "--help"]);
+    let help = text(&output.stdout);
+    let words = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    let (_, behind) = words.split_once(&format!(" --{option} <")).expect(option);
+    let (_, default) = behind.split_once("[default: ").expect(option);
+    default.split_once(']').unwrap().0.to_owned()
+}
+
+#[test]
+fn help_names_the_defaults_that_hold() {
+    let folder = TempDir::new().unwrap();
+    let defaults = Settings::default();
+    for (option, default) in [
+        ("modes", defaults.modes.to_string()),
+        ("tolerance", format!("{:e}", defaults.tolerance)),
+        ("transient-periods", defaults.transient_periods.to_string()),
+        (
+            "align-periods",
+            format!("{}, or the whole of a shorter transient", defaults.align_periods),
+        ),
+        ("periods", defaults.periods.to_string()),
+        ("renormalise-every", defaults.renormalise_every.to_string()),
+        ("period-tolerance", format!("{:e}", defaults.period_tolerance)),
+        ("initial-states", defaults.initial_states.to_string()),
+        ("seed", defaults.seed.to_string()),
+    ] {
+        for command in ["map", "point", "lyapunov"] {
+            assert_eq!(told(command, option), default, "{command} --{option}");
+        }
+    }
+    // by the same words as if nothing had been typed
+    let printed =
+        |args: &[&str]| text(&tribochaos(folder.path(), &[&["map", "--print-experiment"], args].concat()).stdout);
+    let typed: Vec<String> = ["x", "y", "initial-box", "backend"]
+        .iter()
+        .map(|option| format!("--{option}={}", told("map", option)))
+        .collect();
+    assert_eq!(
+        printed(&typed.iter().map(String::as_str).collect::<Vec<_>>()),
+        printed(&[])
+    );
+    // and those of commands that have others, as their tables hold them
+    let phase = ["phase", "--set", "zeta_k=1"];
+    let history = ["history", "--samples", "4"];
+    let poincare = ["poincare", "--points", "64"];
+    let bifurcation = ["bifurcation", "--x", "zeta_k=1:2:2"];
+    for (args, option) in [
+        (&phase[..], "periods"),
+        (&phase, "transient-periods"),
+        (&history, "periods"),
+        (&poincare, "transient-periods"),
+        (&bifurcation, "periods"),
+        (&bifurcation, "transient-periods"),
+    ] {
+        let command = args[0];
+        let output = tribochaos(folder.path(), args);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let table = fs::read_to_string(folder.path().join(format!("outputs/{command}.csv"))).unwrap();
+        let key = format!("# {} = ", option.replace('-', "_"));
+        // options come before settings
+        let held = table.lines().find_map(|line| line.strip_prefix(&key)).expect(&key);
+        assert_eq!(told(command, option), held, "{command} --{option}");
+    }
+    // what follows from another option has no default of its own
+    let help = text(&tribochaos(folder.path(), &["poincare", "--help"]).stdout);
+    assert!(!help.contains("--periods"), "{help}");
+}
+
+#[test]
+fn errors_are_told_once_and_with_their_line() {
+    let folder = TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    fs::write(path("e.toml"), "[set]\nh1 = 0.5\nzetak = 3.9\n").unwrap();
+    fs::write(path("m.toml"), "shaft_radius = 1e-3\nbush_radiu = 5e-3\n").unwrap();
+    fs::write(path("steel.toml"), "\n\n\nmaterial = \"stele\"\n").unwrap();
+    for (args, reason, place) in [
+        (&["map", "e.toml"][..], "did you mean `zeta_k`?", "line 3, column 1"),
+        (
+            &["machine", "m.toml"],
+            "did you mean `bush_radius`?",
+            "line 2, column 1",
+        ),
+        (
+            &["machine", "steel.toml"],
+            "there is no material `stele`",
+            "line 4, column 12",
+        ),
+        (&["map", "missing.toml"], "No such file or directory", "missing.toml"),
+        (&["render", "missing.zarr"], "there is no store", "missing.zarr"),
+        (
+            &["map", "--from", "missing.png"],
+            "No such file or directory",
+            "missing.png",
+        ),
+        (&["phase", "--out", "e.toml/q"], "Not a directory", "e.toml/q"),
+    ] {
+        let output = tribochaos(folder.path(), args);
+        let stderr = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {stderr}");
+        assert_eq!(stderr.matches(reason).count(), 1, "{args:?}: {stderr}");
+        assert_eq!(stderr.matches(place).count(), 1, "{args:?}: {stderr}");
+    }
+}
+
+#[test]
+fn a_picture_of_another_command_is_told_from_a_strange_one() {
+    let folder = TempDir::new().unwrap();
+    let drawn = tribochaos(folder.path(), &["bifurcation", "--x", "zeta_k=1:2:2", "--out", "b"]);
+    assert!(drawn.status.success());
+    assert_refused(
+        &tribochaos(folder.path(), &["map", "--from", "b.png"]),
+        "b.png was drawn by `tribochaos bifurcation`: --from takes the picture of a map",
+    );
 }
 
 #[test]

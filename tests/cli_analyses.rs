@@ -276,7 +276,7 @@ fn reproduce_computes_what_is_not_current() {
         said.contains("| 4.1 | zeta_k from which M changes sign, h1 = 0.5 | 3.50 to 3.90 | 3.6933 | within |"),
         "{said}"
     );
-    let path = |name: &str| folder.path().join("outputs/paper").join(name);
+    let path = |name: &str| folder.path().join("outputs/paper-quick").join(name);
     for name in [
         "figure-4.1.png",
         "figure-4.1.svg",
@@ -288,10 +288,36 @@ fn reproduce_computes_what_is_not_current() {
     }
     assert!(run(folder.path(), &args).contains("figure 4.1 is current"));
     fs::remove_file(path("figure-4.1.png")).unwrap();
-    assert!(run(folder.path(), &args).contains("wrote outputs/paper/figure-4.1.png"));
+    assert!(run(folder.path(), &args).contains("wrote outputs/paper-quick/figure-4.1.png"));
+
+    // what was changed is no longer what was computed
+    let picture = fs::read(path("figure-4.1.png")).unwrap();
+    for (name, other) in [
+        ("figure-4.1.png", &picture[..1000]),
+        ("figure-4.1.svg", b"<svg/>"),
+        ("figure-4.1b.csv", b"tau_0,M\n"),
+    ] {
+        fs::write(path(name), other).unwrap();
+        assert!(run(folder.path(), &args).contains("wrote"), "{name}");
+    }
+    assert_eq!(fs::read(path("figure-4.1.png")).unwrap(), picture);
+
+    // quick figures do not take the place of full ones unasked
+    let full = ["reproduce", "--figure", "4.1"];
+    run(folder.path(), &full);
+    assert!(run(folder.path(), &args).contains("figure 4.1 is current"));
+    assert!(run(folder.path(), &full).contains("figure 4.1 is current"));
+    let over = [&args[..], &["--out", "outputs/paper"]].concat();
+    assert_refused(folder.path(), &over, "holds the full figure 4.1");
+    run(folder.path(), &[&over[..], &["--force"]].concat());
 
     assert_refused(folder.path(), &["reproduce", "--figure", "9.9"], "3.1, 3.2, 4.1");
     fs::write(folder.path().join("file"), "").unwrap();
+    assert_refused(
+        folder.path(),
+        &["reproduce", "--out", "file/paper"],
+        "cannot write file/paper/table.md",
+    );
     assert_refused(folder.path(), &["reproduce", "--out", "file"], "is a file");
 }
 
@@ -358,4 +384,35 @@ fn an_axis_goes_over_the_preset() {
     let (names, rows) = table(&folder.path().join("preset.csv"));
     assert_eq!(names, "gamma,x,y");
     assert!((rows[0][0] - 0.1).abs() < 1e-12 && rows.iter().any(|row| (row[0] - 0.2).abs() < 1e-12));
+}
+
+#[test]
+fn a_place_that_cannot_be_written_is_refused_before_any_work() {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("file"), "precious").unwrap();
+    // minutes of work each, were it begun
+    for args in [
+        &["lyapunov", "--x", "zeta_k=3:5:20000"][..],
+        &["bifurcation", "--x", "zeta_k=3:5:20000"],
+        &["phase", "--periods", "1000000"],
+        &["poincare", "--points", "100000000"],
+        &["melnikov", "--over", "h1=0:2:100000"],
+        &["history", "--periods", "7000"],
+        &["map", "--periods", "10000"],
+        &["map", "--periods", "10000", "--dry-run"],
+    ] {
+        let args = [args, &["--out", "file/new/q"]].concat();
+        assert_refused(folder.path(), &args, "cannot write file/new/q");
+    }
+    assert_refused(
+        folder.path(),
+        &["phase", "--out", "/proc/q"],
+        "cannot write /proc/q.png",
+    );
+    assert_eq!(fs::read(folder.path().join("file")).unwrap(), b"precious");
+    assert_eq!(
+        fs::read_dir(folder.path()).unwrap().count(),
+        1,
+        "nothing is left behind"
+    );
 }

@@ -91,6 +91,23 @@ fn the_template_is_the_paper_s_preset_and_sensitivities_are_told() {
     assert_eq!(cells[1..5], ["0.50", "-0.50", "0.50", "-"], "{row}");
     assert!(text(&output.stderr).contains("warning: interference"));
 
+    // the length of the contact is in three groups, and moves no other
+    fs::write(
+        folder.path().join("whole.toml"),
+        format!(
+            "length = 0.02\n{}",
+            fs::read_to_string(folder.path().join("m.toml")).unwrap()
+        ),
+    )
+    .unwrap();
+    let whole = done(&tribochaos(folder.path(), &["machine", "whole.toml"]));
+    let rows: Vec<&str> = whole
+        .lines()
+        .filter(|line| line.trim_start().starts_with("length "))
+        .collect();
+    assert_eq!(rows.len(), 2, "{whole}");
+    assert!(!rows.iter().any(|row| row.contains("0.00")), "{rows:?}");
+
     let materials = done(&tribochaos(folder.path(), &["machine", "--materials"]));
     assert!(materials.starts_with("paper_steel") && materials.contains("Callister"));
     let materials = json(&tribochaos(folder.path(), &["machine", "--materials", "--json"]));
@@ -125,7 +142,13 @@ fn a_point_tells_its_results_in_si_units_and_what_cannot_be() {
     assert_near(&point["contact_time"], 72.06, 2e-3);
     assert_near(&point["final_wear"], 30.2, 5e-3);
     let printed = tribochaos(folder.path(), &[&["point"], &at_rest[..]].concat());
-    assert!(done(&printed).contains("(1.2211 s)") && !text(&printed.stderr).contains("fiction"));
+    assert!(done(&printed).contains("(1.2211 s)"));
+    // the shaft holds; that the wells of this machine lie at 1 rad shows
+    let stderr = text(&printed.stderr);
+    assert!(
+        stderr.matches("fiction").count() == 1 && stderr.contains("fiction: the bush would turn by 2.5"),
+        "{stderr}"
+    );
 
     // twice the speed: beyond yield
     let tight = [&["point", "--json", "--set", "shaft_speed_amplitude=450"], &at_rest[..]].concat();
@@ -460,4 +483,37 @@ fn bad_machines_are_refused_with_a_reason_before_any_work() {
         before,
         "nothing was written"
     );
+}
+
+#[test]
+fn a_bush_that_turns_too_far_is_told_once() {
+    let folder = folder();
+    let far = [&["--machine", "m.toml", "--set", "x0=1.9"][..], &COLD].concat();
+    let point = tribochaos(
+        folder.path(),
+        &[
+            &["point"],
+            &far[..],
+            &["--set", "damping=0", "--periods", "16", "--transient-periods", "0"],
+        ]
+        .concat(),
+    );
+    done(&point);
+    let warned = |output: &Output| text(&output.stderr).matches("the bush would turn by").count();
+    assert_eq!(warned(&point), 1, "{}", text(&point.stderr));
+    let history = tribochaos(folder.path(), &[&["history"], &far[..], &["--periods", "2"]].concat());
+    done(&history);
+    assert_eq!(warned(&history), 1, "{}", text(&history.stderr));
+    let axes = [
+        "map",
+        "--x",
+        "shaft_speed_amplitude=200:800:4",
+        "--y",
+        "damping=100:800:3",
+        "--out",
+        "far",
+    ];
+    let map = tribochaos(folder.path(), &[&axes[..], &far, &["--backend", "cpu"]].concat());
+    done(&map);
+    assert_eq!(warned(&map), 1, "{}", text(&map.stderr));
 }

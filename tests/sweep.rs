@@ -3,6 +3,7 @@
 mod gpu_context;
 
 use std::ops::ControlFlow;
+use std::time::Instant;
 
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
@@ -10,7 +11,7 @@ use tribochaos::experiment::{Experiment, Precision, Request, Settings};
 use tribochaos::grid::Axis;
 use tribochaos::map::ParameterMap;
 use tribochaos::measurement::{BackendKind, Class, Measurement, Quantity};
-use tribochaos::sweep::{Backends, Event, audit};
+use tribochaos::sweep::{Backends, Event, audit, estimate};
 
 fn experiment(x: &str, y: &str, settings: Settings) -> Experiment {
     let request = Request {
@@ -198,4 +199,24 @@ fn the_largest_exponent_of_several_initial_states_is_reported() {
         assert!((0.0..=1.0).contains(&several.chaotic_fraction));
     }
     assert!(several.iter().any(|m| m.attractors > 1) && several.iter().any(|m| m.chaotic_fraction > 0.0));
+}
+
+#[test]
+fn the_estimate_of_a_map_with_wear_is_about_what_it_takes() {
+    let mut request = Request {
+        x: Axis::parse("zeta_k=0:8:40").unwrap(),
+        y: Axis::parse("k_w=0.001:0.02:30").unwrap(),
+        ..Request::default()
+    };
+    request.set.insert("gamma".into(), 1.87);
+    request.set.insert("h1".into(), 0.5);
+    request.settings.periods = 60;
+    let experiment = request.resolve().unwrap();
+    let mut backends = cpu(Precision::F64);
+    let estimate = estimate::seconds(&mut backends, &experiment).unwrap();
+    let started = Instant::now();
+    compute(&mut backends, &experiment);
+    let ratio = estimate / started.elapsed().as_secs_f64();
+    // the machine may be shared
+    assert!((0.3..3.0).contains(&ratio), "{ratio}");
 }

@@ -15,8 +15,8 @@ use tribochaos::parameters::{PARAMETERS, Parameter, ParameterSet};
 use tribochaos::sweep::choice::{self, Choice};
 use tribochaos::sweep::initial_states;
 
-use super::Failure;
 use super::request::ExperimentArgs;
+use super::{Failure, outputs};
 
 /// Where results go.
 #[derive(Args)]
@@ -252,12 +252,14 @@ impl Files {
     /// Claims the files of the given drawings before any work, each NAME and an ending such as `-threshold`.
     ///
     /// # Errors
-    /// If the name names no file, or a drawing with another recipe is there and `force` is not given.
+    /// If the name names no file, nothing can be written there, or a drawing with another recipe is there and `force` is
+    /// not given.
     pub fn claim(args: &OutArgs, default: &str, drawings: &[&str], recipe: String) -> Result<Self, Failure> {
         let name = args.out.clone().unwrap_or_else(|| default.into());
         for drawing in drawings {
             check(&drawing::with_ending(&name, drawing), &recipe, args.force).map_err(Failure::Input)?;
         }
+        outputs::check_writable(&drawing::with_ending(&name, ".png")).map_err(Failure::Input)?;
         Ok(Self {
             name,
             recipe,

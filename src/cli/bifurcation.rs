@@ -54,6 +54,13 @@ fn follow(text: &str) -> Result<Columns, String> {
 /// States that fit into memory and into a table that can be used.
 const MOST_STATES: u64 = 50_000_000;
 
+/// What holds where nothing else is asked for.
+pub fn defaults() -> Request {
+    let mut defaults = Request::default();
+    defaults.settings.periods = 200;
+    defaults
+}
+
 pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
     let axis = args.x.unwrap_or(Axis {
         coordinate: Parameter::ZetaK.into(),
@@ -61,9 +68,7 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
         stop: 12.0,
         count: 2400,
     });
-    let mut defaults = Request::default();
-    defaults.settings.periods = 200;
-    let experiment = analysis::experiment(&args.experiment, Some(axis), defaults)?;
+    let experiment = analysis::experiment(&args.experiment, Some(axis), defaults())?;
     let settings = &experiment.settings;
     let starts = args.start.resolve(&args.experiment, &experiment)?;
     let states = axis.count as u64 * starts.len() as u64 * u64::from(settings.periods);

@@ -35,6 +35,31 @@ const PERIODS: u32 = 30;
 /// More samples make a table that nobody opens.
 const MOST_SAMPLES: u64 = 1_000_000;
 
+/// What holds where nothing else is asked for.
+pub fn defaults() -> Request {
+    let mut defaults = Request::default();
+    let settings = &mut defaults.settings;
+    settings.scheme = Some(Scheme::Radau);
+    settings.periods = PERIODS;
+    settings.transient_periods = 0;
+    defaults
+}
+
+/// Options of experiments that are refused here, or mean nothing to a history.
+pub const HIDDEN: &[&str] = &[
+    "scheme",
+    "transient_periods",
+    "align_periods",
+    "renormalise_every",
+    "period_tolerance",
+    "initial_states",
+    "initial_box",
+    "seed",
+    "backend",
+    "precision",
+    "adapter",
+];
+
 pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
     let (experiment, periods) = experiment(args)?;
     let at = experiment.grid.fixed;
@@ -58,7 +83,8 @@ pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
         final_wear: last.wear,
         peak_temperature: history.peak_temperature,
     };
-    let beyond = si::beyond(&at, &contact);
+    let angle = history.samples.iter().map(|sample| sample.x.abs()).fold(0.0, f64::max);
+    let beyond = si::beyond(&at, &contact, angle);
     for warning in &beyond {
         eprintln!("warning: {warning}");
     }
@@ -134,11 +160,7 @@ pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
 /// The experiment and the forcing periods that are followed.
 fn experiment(args: &HistoryArgs) -> Result<(Experiment, u32), Failure> {
     let refused = |reason: String| Err(Failure::Input(anyhow!(reason)));
-    let mut request = Request::default();
-    let settings = &mut request.settings;
-    settings.scheme = Some(Scheme::Radau);
-    settings.periods = PERIODS;
-    settings.transient_periods = 0;
+    let mut request = defaults();
     args.experiment.apply(&mut request)?;
     let settings = &mut request.settings;
     if settings.scheme != Some(Scheme::Radau) {

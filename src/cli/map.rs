@@ -1,6 +1,6 @@
 //! `map`: from a request to a store, pictures and the threshold.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
@@ -8,8 +8,8 @@ use clap::Args;
 use tribochaos::experiment::{Experiment, Request};
 use tribochaos::grid::Axis;
 use tribochaos::output::picture::Style;
-use tribochaos::output::png;
 use tribochaos::output::store::MapStore;
+use tribochaos::output::{drawing, png};
 use tribochaos::sweep::audit::{self, Audit};
 use tribochaos::sweep::choice::{self, Choice};
 use tribochaos::sweep::{self, estimate};
@@ -37,8 +37,7 @@ pub struct MapArgs {
     y: Option<Axis>,
     #[command(flatten)]
     experiment: ExperimentArgs,
-    /// Points computed again on the CPU in f64 to audit the map [default: 32 of a GPU map, else 0]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help = format!("Points computed again on the CPU in f64 to audit the map [default: {DEFAULT_AUDIT} of a GPU map, else 0]"))]
     audit: Option<u32>,
     /// Run every point to its full length, also where its motion has shown early what it is
     #[arg(long)]
@@ -68,7 +67,7 @@ impl MapArgs {
         let mut request = match (&self.experiment_file, &self.from) {
             (Some(path), _) => request::read(path).map_err(Failure::Input)?,
             (None, Some(picture)) => {
-                let toml = png::read_experiment(picture).map_err(Failure::input)?;
+                let toml = experiment_in(picture).map_err(Failure::Input)?;
                 Request::from_toml(&toml).map_err(Failure::input)?
             }
             (None, None) => Request::default(),
@@ -88,6 +87,24 @@ impl MapArgs {
         request.out = self.out.clone().or(request.out);
         Ok(request)
     }
+}
+
+/// The experiment in a picture, in TOML.
+///
+/// # Errors
+/// If there is none: that of another command is none of a map.
+fn experiment_in(picture: &Path) -> anyhow::Result<String> {
+    png::read_experiment(picture).map_err(|error| {
+        let recipe = drawing::read_recipe(picture).ok().flatten();
+        let recipe = recipe.and_then(|recipe| recipe.parse::<toml::Table>().ok());
+        match recipe.as_ref().and_then(|recipe| recipe.get("command")?.as_str()) {
+            Some(command) => anyhow!(
+                "{} was drawn by `tribochaos {command}`: --from takes the picture of a map",
+                picture.display()
+            ),
+            None => error.into(),
+        }
+    })
 }
 
 pub fn run(args: &MapArgs) -> Result<(), Failure> {
@@ -168,7 +185,7 @@ fn compute(experiment: &Experiment, choice: Choice, store: &mut MapStore) -> Res
         let measurements = backends
             .measure(&experiment.grid, settings, &indices, &mut |event| progress.hear(event))
             .map_err(|error| match Failure::backend(error) {
-                Failure::Run(error) => Failure::Run(anyhow!(kept(&format!("{error:#}")))),
+                Failure::Run(error) => Failure::Run(anyhow!(kept(&super::told(&error)))),
                 other => other,
             })?
             .ok_or_else(|| Failure::Interrupted(kept("stopped by Ctrl-C")))?;
@@ -217,14 +234,9 @@ fn audit_map(
 }
 
 fn dry_run(experiment: &Experiment, mut choice: Choice, outputs: &outputs::Outputs) -> Result<(), Failure> {
-    let seconds = estimate::seconds(choice.backends.active_mut(), experiment).map_err(Failure::backend)?;
     say!("{}\n{}", report::plan(experiment), report::device(&choice));
-    let most = if experiment.settings.decides_early() {
-        "at full length, "
-    } else {
-        ""
-    };
-    say!("{most}about {}", report::duration(Duration::from_secs_f64(seconds)));
+    let seconds = estimate::seconds(&mut choice.backends, experiment).map_err(Failure::backend)?;
+    say!("about {}", report::duration(Duration::from_secs_f64(seconds)));
     say!("would write {}", outputs.store().display());
     Ok(())
 }

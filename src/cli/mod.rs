@@ -41,8 +41,9 @@ mod si;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use tribochaos::backend::BackendError;
+use tribochaos::experiment::{BackendChoice, Request};
 
 /// Chaos-threshold maps of a rubbing oscillator (Awrejcewicz and Pyryev 2006): Lyapunov exponents and periods over a
 /// plane of parameters, on a GPU or the CPU.
@@ -113,8 +114,46 @@ impl Failure {
     }
 }
 
+/// An error with its causes. Many tell their cause themselves, to say behind it what to do: no cause is told twice.
+fn told(error: &anyhow::Error) -> String {
+    let mut text = String::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text += if text.is_empty() { "" } else { ": " };
+            text += &cause;
+        }
+    }
+    text
+}
+
+/// The command line, with the defaults of each command in its help as the code has them.
+fn command() -> clap::Command {
+    let on_the_cpu = |mut defaults: Request| {
+        defaults.settings.backend = BackendChoice::Cpu;
+        defaults
+    };
+    let commands = [
+        ("map", Request::default(), &[][..]),
+        ("point", on_the_cpu(Request::default()), &[]),
+        ("lyapunov", on_the_cpu(Request::default()), &[]),
+        ("bifurcation", on_the_cpu(bifurcation::defaults()), &[]),
+        ("phase", on_the_cpu(phase::defaults()), &[]),
+        ("poincare", on_the_cpu(poincare::defaults()), poincare::HIDDEN),
+        ("history", on_the_cpu(history::defaults()), history::HIDDEN),
+    ];
+    commands
+        .into_iter()
+        .fold(Cli::command(), |command, (name, defaults, hidden)| {
+            command.mut_subcommand(name, |command| {
+                request::tell_defaults(command, &defaults.settings, hidden)
+            })
+        })
+}
+
 pub fn main() -> ExitCode {
-    let result = match Cli::parse().command {
+    let matches = command().get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let result = match cli.command {
         Command::Map(args) => map::run(&args),
         Command::Point(args) => point::run(&args),
         Command::Render(args) => render::run(&args),
@@ -132,11 +171,11 @@ pub fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Input(error)) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", told(&error));
             ExitCode::from(2)
         }
         Err(Failure::Run(error)) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", told(&error));
             ExitCode::from(1)
         }
         Err(Failure::Interrupted(message)) => {

@@ -2,7 +2,8 @@
 //!
 //! Owns the rule that results of another experiment are not overwritten; the formats are the library's.
 
-use std::fs;
+use std::ffi::OsString;
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail};
@@ -12,6 +13,30 @@ use tribochaos::measurement::Quantity;
 use tribochaos::output::picture::{self, Style};
 use tribochaos::output::store::{self, MapStore};
 use tribochaos::output::{PROGRAM, csv, png};
+
+/// Whether a file can be written at `path`, whose folders need not be there yet: found out before any work, by beginning
+/// one beside its place, or where the first missing folder would be, and taking it away again.
+///
+/// # Errors
+/// If the file cannot be written, with the reason and what to do.
+pub fn check_writable(path: &Path) -> anyhow::Result<()> {
+    let mut folder = path.parent().unwrap_or("".as_ref());
+    while !folder.as_os_str().is_empty() && fs::symlink_metadata(folder).is_err() {
+        folder = folder.parent().unwrap_or("".as_ref());
+    }
+    let mut hidden = OsString::from(".");
+    hidden.push(path.file_name().unwrap_or_default());
+    hidden.push(format!(".{}.part", std::process::id()));
+    let trial = folder.join(hidden);
+    File::create_new(&trial)
+        .and_then(|_| fs::remove_file(&trial))
+        .map_err(|error| {
+            anyhow!(
+                "cannot write {}: {error}; check the folder's permissions, or give another --out",
+                path.display()
+            )
+        })
+}
 
 /// The path that all output names begin with.
 pub struct Outputs {
@@ -79,11 +104,11 @@ impl Outputs {
         }
     }
 
-    /// Whether the experiment may be run and drawn under this name; writes nothing. Returns the store to go on with, if
-    /// there is one.
+    /// Whether the experiment may be run and drawn under this name; leaves nothing behind. Returns the store to go on with,
+    /// if there is one.
     ///
     /// # Errors
-    /// As [`Outputs::open`], but for what only writing can tell.
+    /// As [`Outputs::open`], but for the room on the disk.
     pub fn check(&self, experiment: &Experiment, force: bool) -> anyhow::Result<Option<MapStore>> {
         let text = self.name.to_string_lossy();
         if self.name.file_name().is_none() || text.ends_with(std::path::is_separator) {
@@ -98,6 +123,7 @@ impl Outputs {
             }
         }
         let path = self.store();
+        check_writable(&path)?;
         match (path.exists(), force) {
             (true, false) => return self.resumable(experiment).map(Some),
             (true, true) => self.check_replaceable()?,

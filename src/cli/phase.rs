@@ -34,10 +34,15 @@ const POINTS_PER_PERIOD: u32 = 157;
 /// More orbits in one picture are a tangle.
 const MOST_ORBITS: usize = 24;
 
-pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
+/// What holds where nothing else is asked for.
+pub fn defaults() -> Request {
     let mut defaults = Request::default();
     defaults.settings.periods = 32;
-    let experiment = analysis::experiment(&args.experiment, None, defaults)?;
+    defaults
+}
+
+pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
+    let experiment = analysis::experiment(&args.experiment, None, defaults())?;
     let settings = &experiment.settings;
     let starts = args.start.resolve(&args.experiment, &experiment)?;
     let points = analysis::points(args.at.as_ref(), &experiment.grid.fixed, &args.experiment.subject.set)?;

@@ -34,10 +34,18 @@ pub struct PoincareArgs {
     out: OutArgs,
 }
 
-pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
+/// What holds where nothing else is asked for.
+pub fn defaults() -> Request {
     let mut defaults = Request::default();
     defaults.settings.transient_periods = 500;
-    let mut experiment = analysis::experiment(&args.experiment, None, defaults)?;
+    defaults
+}
+
+/// Options of experiments that are refused here.
+pub const HIDDEN: &[&str] = &["periods"];
+
+pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
+    let mut experiment = analysis::experiment(&args.experiment, None, defaults())?;
     analysis::check_lasting(&experiment)?;
     if args.experiment.periods.is_some() {
         return Err(Failure::Input(anyhow::anyhow!(

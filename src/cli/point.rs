@@ -52,7 +52,7 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
         Status::Ok | Status::UnderResolved => lyapunov_spectrum(&instance, &experiment.settings),
         Status::Runaway { .. } => None,
     };
-    let beyond = si::beyond(&experiment.grid.fixed, &m.contact);
+    let beyond = si::beyond(&experiment.grid.fixed, &m.contact, m.x_min.abs().max(m.x_max.abs()));
     for warning in &beyond {
         eprintln!("warning: {warning}");
     }

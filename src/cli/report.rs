@@ -33,7 +33,7 @@ pub fn plan(experiment: &Experiment) -> String {
     }
     let _ = write!(
         plan,
-        ": {} points{}, {} of {} {} steps",
+        ": {} points{}, {} of {} {} steps{}",
         experiment.grid.len(),
         if settings.initial_states > 1 {
             format!(" x {} initial states", settings.initial_states)
@@ -43,11 +43,15 @@ pub fn plan(experiment: &Experiment) -> String {
         if experiment.wears() {
             format!("{} periods from the start", settings.periods)
         } else {
-            let most = if settings.decides_early() { "at most " } else { "" };
-            format!("{most}{} + {} periods", settings.transient_periods, settings.periods)
+            format!("{} + {} periods", settings.transient_periods, settings.periods)
         },
         settings.steps_per_period(),
-        settings.scheme().name()
+        settings.scheme().name(),
+        if settings.decides_early() {
+            ", unless decided early"
+        } else {
+            ""
+        }
     );
     plan
 }

@@ -8,7 +8,7 @@ use clap::Args;
 use tribochaos::paper::{Effort, FIGURES, Figure, Files};
 
 use super::progress;
-use super::{Failure, report};
+use super::{Failure, outputs, report};
 
 /// Figures that are there and current are not computed again.
 #[derive(Args)]
@@ -16,13 +16,13 @@ pub struct ReproduceArgs {
     /// Figure by its number in the paper; may be repeated [default: all]
     #[arg(long, value_name = "N.N", value_parser = figure)]
     figure: Vec<&'static Figure>,
-    /// Folder for the figures and the table
-    #[arg(long, value_name = "FOLDER", default_value = "outputs/paper")]
-    out: PathBuf,
+    /// Folder for the figures and the table [default: outputs/paper, with --quick outputs/paper-quick]
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
     /// Coarse scans, in seconds, with the same rows and pictures
     #[arg(long)]
     quick: bool,
-    /// Compute figures again that are current
+    /// Compute figures again that are current, and replace full figures by quick ones, or quick ones by full ones
     #[arg(long)]
     force: bool,
 }
@@ -32,19 +32,35 @@ fn figure(id: &str) -> Result<&'static Figure, String> {
 }
 
 pub fn run(args: &ReproduceArgs) -> Result<(), Failure> {
-    if args.out.is_file() {
+    let (effort, default) = if args.quick {
+        (Effort::Quick, "outputs/paper-quick")
+    } else {
+        (Effort::Full, "outputs/paper")
+    };
+    let folder = args.out.as_deref().unwrap_or(default.as_ref());
+    if folder.is_file() {
         return Err(Failure::Input(anyhow!(
             "{} is a file: give --out a folder",
-            args.out.display()
+            folder.display()
         )));
     }
-    let effort = if args.quick { Effort::Quick } else { Effort::Full };
-    let files = Files::new(&args.out, effort);
+    outputs::check_writable(&folder.join("table.md")).map_err(Failure::Input)?;
+    let files = Files::new(folder, effort);
     let figures: Vec<&Figure> = if args.figure.is_empty() {
         FIGURES.iter().collect()
     } else {
         args.figure.clone()
     };
+    if let Some(figure) = figures.iter().find(|figure| files.is_of_other_effort(figure))
+        && !args.force
+    {
+        return Err(Failure::Input(anyhow!(
+            "{} holds {} figure {}: give another --out, or --force to replace it",
+            folder.display(),
+            if args.quick { "the full" } else { "a quick" },
+            figure.id
+        )));
+    }
     progress::catch_interrupt();
     for figure in figures {
         if !args.force && files.current(figure).is_some() {

@@ -10,9 +10,13 @@ use clap::Args;
 use serde::Deserialize;
 use serde::de::IntoDeserializer;
 use serde::de::value::{Error as ValueError, StrDeserializer};
-use tribochaos::experiment::{BackendChoice, Precision, Preset, Request, Scheme};
+use tribochaos::dynamics::stroboscope::{MAX_PERIOD, WINDOW};
+use tribochaos::experiment::{BackendChoice, InitialBox, Precision, Preset, Request, Scheme, Settings};
 use tribochaos::grid::{Axis, Coordinate};
 use tribochaos::machine::{Description, governing};
+use tribochaos::measurement::{
+    CHAOTIC_GROWTH, DEFECT_BOUND, QUASI_PERIODIC_BOUND, QUASI_PERIODIC_ERROR, RUNAWAY_BOUND,
+};
 use tribochaos::parameters::{PARAMETERS, Parameter};
 
 use super::Failure;
@@ -48,7 +52,8 @@ impl SubjectArgs {
     }
 }
 
-/// Numerical settings and fixed parameters; what is left out keeps the file's value, or the default.
+/// Numerical settings and fixed parameters; what is left out keeps the file's value, or the default, which
+/// [`tell_defaults`] puts into the help.
 #[derive(Args)]
 pub struct ExperimentArgs {
     #[command(flatten)]
@@ -58,48 +63,47 @@ pub struct ExperimentArgs {
     #[arg(long, value_name = "paper", value_parser = preset, conflicts_with = "machine")]
     pub preset: Option<Preset>,
     /// Stepping scheme: taylor, whose steps end at the friction layer's boundaries, rk4, the paper's fixed step, or radau,
-    /// which carries frictional heat and wear [default: radau where gamma or k_w is not 0, else taylor]
+    /// which carries frictional heat and wear
     #[arg(long, help_heading = "Numerical settings", value_parser = named::<Scheme>)]
     pub scheme: Option<Scheme>,
-    /// Steps in a forcing period, of taylor and radau the longest ones [default: 28 of taylor, 628 of rk4, 16 of radau]
+    /// Steps in a forcing period, of taylor and radau the longest ones
     #[arg(long, help_heading = "Numerical settings", value_name = "STEPS")]
     pub steps_per_period: Option<u32>,
-    /// Heat modes of the shaft, besides a lumped one for the rest [default: 12]
+    /// Heat modes of the shaft, besides a lumped one for the rest
     #[arg(long, help_heading = "Numerical settings", value_name = "M")]
     pub modes: Option<u32>,
     /// Error of a step of radau: of the sliding velocity (in the friction layer, over its half-width) and, relative, of
-    /// the pressure [default: 1e-4]
+    /// the pressure
     #[arg(long, help_heading = "Numerical settings", value_name = "ERROR")]
     pub tolerance: Option<f64>,
-    /// Forcing periods before the measurement; none where the contact wears [default: 300]
+    /// Forcing periods before the measurement; none where the contact wears
     #[arg(long, help_heading = "Numerical settings", value_name = "PERIODS")]
     pub transient_periods: Option<u32>,
-    /// Last periods of the transient, in which the tangent vectors turn to their directions [default: 50, or the whole of
-    /// a shorter transient]
+    /// Last periods of the transient, in which the tangent vectors turn to their directions
     #[arg(long, help_heading = "Numerical settings", value_name = "PERIODS")]
     pub align_periods: Option<u32>,
-    /// Measured forcing periods [default: 250]
+    /// Measured forcing periods
     #[arg(long, help_heading = "Numerical settings", value_name = "PERIODS")]
     pub periods: Option<u32>,
-    /// Steps of rk4 between renormalisations of the tangent vectors, besides one at each period's end [default: 314]
+    /// Steps of rk4 between renormalisations of the tangent vectors, besides one at each period's end
     #[arg(long, help_heading = "Numerical settings", value_name = "STEPS")]
     pub renormalise_every: Option<u32>,
-    /// Stroboscopic states are the same where x and y differ by less [default: 1e-4]
+    /// Stroboscopic states are the same where x and y differ by less
     #[arg(long, help_heading = "Numerical settings", value_name = "DISTANCE")]
     pub period_tolerance: Option<f64>,
-    /// Initial states for each point: (x0, y0), and others from the initial box [default: 1]
+    /// Initial states for each point: (x0, y0), and others from the initial box
     #[arg(long, help_heading = "Numerical settings", value_name = "N")]
     pub initial_states: Option<u32>,
-    /// Box of the other initial states, as X_MIN:X_MAX,Y_MIN:Y_MAX [default: -2:2,-2:2]
+    /// Box of the other initial states, as X_MIN:X_MAX,Y_MIN:Y_MAX
     #[arg(long, help_heading = "Numerical settings", value_name = "BOX", value_parser = initial_box, allow_hyphen_values = true)]
-    pub initial_box: Option<tribochaos::experiment::InitialBox>,
-    /// Seed of the other initial states, which are the same at every point [default: 1]
+    pub initial_box: Option<InitialBox>,
+    /// Seed of the other initial states, which are the same at every point
     #[arg(long, help_heading = "Numerical settings")]
     pub seed: Option<u32>,
-    /// Where to integrate: auto takes a hardware GPU if there is one, else the CPU [default: auto]
+    /// Where to integrate: auto takes a hardware GPU if there is one, else the CPU
     #[arg(long, help_heading = "Devices", value_name = "auto|gpu|cpu", value_parser = named::<BackendChoice>)]
     pub backend: Option<BackendChoice>,
-    /// Number type [default: f64 on the CPU; a GPU has only f32]
+    /// Number type
     #[arg(long, help_heading = "Devices", value_name = "f32|f64", value_parser = named::<Precision>)]
     pub precision: Option<Precision>,
     /// Part of the name of the GPU adapter to use; `tribochaos devices` lists them
@@ -151,6 +155,44 @@ impl ExperimentArgs {
     }
 }
 
+/// The help of a command with the defaults of its [`ExperimentArgs`] as `settings` have them, and without the options that
+/// it refuses or that mean nothing to it.
+pub fn tell_defaults(command: clap::Command, settings: &Settings, hidden: &[&'static str]) -> clap::Command {
+    let scheme = settings
+        .scheme
+        .map_or("radau where gamma or k_w is not 0, else taylor", Scheme::name);
+    let steps = Scheme::ALL.map(|scheme| format!("{} of {}", scheme.default_steps_per_period(), scheme.name()));
+    let InitialBox { x, y } = settings.initial_box;
+    let defaults = [
+        ("scheme", scheme.to_owned()),
+        ("steps_per_period", steps.join(", ")),
+        ("modes", settings.modes.to_string()),
+        ("tolerance", format!("{:e}", settings.tolerance)),
+        ("transient_periods", settings.transient_periods.to_string()),
+        (
+            "align_periods",
+            format!("{}, or the whole of a shorter transient", settings.align_periods),
+        ),
+        ("periods", settings.periods.to_string()),
+        ("renormalise_every", settings.renormalise_every.to_string()),
+        ("period_tolerance", format!("{:e}", settings.period_tolerance)),
+        ("initial_states", settings.initial_states.to_string()),
+        ("initial_box", format!("{}:{},{}:{}", x[0], x[1], y[0], y[1])),
+        ("seed", settings.seed.to_string()),
+        ("backend", settings.backend.name().to_owned()),
+        ("precision", "f64 on the CPU; a GPU has only f32".to_owned()),
+    ];
+    let told = defaults.into_iter().fold(command, |command, (option, default)| {
+        command.mut_arg(option, |arg| {
+            let help = arg.get_help().map(ToString::to_string).unwrap_or_default();
+            arg.help(format!("{help} [default: {default}]"))
+        })
+    });
+    hidden
+        .iter()
+        .fold(told, |command, option| command.mut_arg(option, |arg| arg.hide(true)))
+}
+
 fn preset(text: &str) -> Result<Preset, String> {
     Preset::from_name(text).ok_or_else(|| format!("there is no preset `{text}`: the one there is, is `paper`"))
 }
@@ -179,11 +221,11 @@ pub fn range(text: &str) -> Result<[f64; 2], String> {
     Ok([number(low)?, number(high)?])
 }
 
-pub fn initial_box(text: &str) -> Result<tribochaos::experiment::InitialBox, String> {
+pub fn initial_box(text: &str) -> Result<InitialBox, String> {
     let (x, y) = text
         .split_once(',')
         .ok_or("write X_MIN:X_MAX,Y_MIN:Y_MAX, for example -2:2,-2:2")?;
-    Ok(tribochaos::experiment::InitialBox {
+    Ok(InitialBox {
         x: range(x)?,
         y: range(y)?,
     })
@@ -226,15 +268,21 @@ pub fn parameter_table() -> String {
 /// The table of parameters and the definition of the classes, for the end of a command's help.
 pub fn help() -> String {
     let mut help = parameter_table();
-    help.push_str(
+    let _ = write!(
+        help,
         "\nClasses, by the maximal exponent L (the larger non-trivial one) and its standard error S:\n  \
-         chaotic         L - 3 S > 0\n  \
-         regular         L + 3 S < 0, or settled on a cycle of period 1 to 32 over the last 64 periods\n  \
-         quasi-periodic  no such cycle, |L| < 1e-3 by a weighted Birkhoff average, and S < 5e-3\n  \
+         chaotic         L - 3 S > 0, and a disturbance grew by more than {growth} over the measurement\n  \
+         regular         L + 3 S < 0, or settled on a cycle of period 1 to {MAX_PERIOD} over the last {WINDOW} periods\n  \
+         quasi-periodic  no such cycle, |L| < {QUASI_PERIODIC_BOUND:e} by a weighted Birkhoff average, and \
+         S < {QUASI_PERIODIC_ERROR:e}\n  \
          undecided       all else\n\
          An orbit that settles on an attracting cycle after a chaotic transient is regular. A run away to\n\
-         |x| + |y| >= 1e4, or a sum of exponents that misses the mean divergence by more than 1e-2\n\
+         |x| + |y| >= {RUNAWAY_BOUND:e}, or a sum of exponents that misses the mean divergence by more than {DEFECT_BOUND:e}\n\
          (under-resolved), has a status of its own and no class.\n",
+        growth = match CHAOTIC_GROWTH {
+            1.0 => "e".to_owned(),
+            power => format!("e^{power}"),
+        },
     );
     help
 }

@@ -79,12 +79,13 @@ pub fn measurement(at: &Fixed, m: &Measurement) -> Value {
     object
 }
 
-/// Warnings of results that no machine of the material survives, each a sentence.
-pub fn beyond(at: &Fixed, contact: &Contact) -> Vec<String> {
+/// Warnings of results that no machine of the material survives, or the model does not hold for, each a sentence; `angle` is
+/// the greatest magnitude of x.
+pub fn beyond(at: &Fixed, contact: &Contact, angle: f64) -> Vec<String> {
     let Some(machine) = at.machine() else {
         return Vec::new();
     };
-    let beyond = machine.beyond(contact.peak_pressure, contact.peak_temperature);
+    let beyond = machine.beyond(contact.peak_pressure, contact.peak_temperature, angle);
     beyond.iter().map(|beyond| format!("fiction: {beyond}")).collect()
 }
 

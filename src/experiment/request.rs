@@ -1,6 +1,6 @@
 //! A request for a map as it is written in a file, and its resolution.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
@@ -31,13 +31,11 @@ pub struct Request {
     pub settings: Settings,
 }
 
-/// Names are checked here, so that a misspelt one is reported with a suggestion.
+/// Names are checked as they are read, so that a misspelt one is reported with its line and a suggestion.
 fn named_values<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, f64>, D::Error> {
-    let values = BTreeMap::<String, f64>::deserialize(deserializer)?;
-    for name in values.keys() {
-        Coordinate::from_name(name).map_err(serde::de::Error::custom)?;
-    }
-    Ok(values)
+    let values = HashMap::<Coordinate, f64>::deserialize(deserializer)?;
+    let named = values.into_iter().map(|(name, value)| (name.name().to_owned(), value));
+    Ok(named.collect())
 }
 
 impl Default for Request {

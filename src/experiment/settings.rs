@@ -58,6 +58,17 @@ pub enum BackendChoice {
     Cpu,
 }
 
+impl BackendChoice {
+    /// The name in files and commands.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Gpu => "gpu",
+            Self::Cpu => "cpu",
+        }
+    }
+}
+
 /// The number type of the integration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -101,7 +112,7 @@ pub struct Settings {
     pub decide_early: bool,
     /// Steps of rk4 between two renormalisations of the tangent vectors (314); one ends every period besides.
     pub renormalise_every: u32,
-    /// Two stroboscopic states are the same where x and y differ by less (1e-4).
+    /// Two stroboscopic states are the same where x and y differ by less (2e-4).
     pub period_tolerance: f64,
     /// Where instances are integrated: `auto`, `gpu` or `cpu` (auto).
     pub backend: BackendChoice,

@@ -218,3 +218,15 @@ fn an_unlikely_machine_is_warned_of_over_the_whole_map() {
         "{soft:?}"
     );
 }
+
+#[test]
+fn a_misspelt_name_in_a_file_is_reported_with_its_line() {
+    for toml in [
+        "[set]\nh1 = 0.5\nzetak = 3.9\n",
+        "[settings]\nperiods = 99\nperiode = 99\n",
+        "[x]\nstart = 0\nparameter = \"zetak\"\nstop = 1\ncount = 5\n",
+    ] {
+        let message = Request::from_toml(toml).unwrap_err().to_string();
+        assert!(message.contains("at line 3, "), "{message}");
+    }
+}

@@ -34,19 +34,34 @@ const AMBIENT: &str = "ambient_temperature";
 const MELTING: &str = "melting_point";
 const YIELD: &str = "yield_strength";
 
-/// Finds a quantity by its name.
-///
-/// # Errors
-/// [`MachineError::Unknown`] with the nearest known name, if one is near.
-fn quantity(name: &str) -> Result<SiQuantity, MachineError> {
-    SiQuantity::from_name(name).ok_or_else(|| {
-        let limits = [MATERIAL, AMBIENT, MELTING, YIELD];
-        let known = SI_QUANTITIES.iter().map(|info| info.name).chain(limits);
-        MachineError::Unknown {
-            name: name.to_owned(),
-            suggestion: parameters::nearest(name, known),
-        }
-    })
+/// What a line of a file gives.
+enum Key {
+    Quantity(SiQuantity),
+    Material,
+    Ambient,
+    Melting,
+    Yield,
+}
+
+impl Key {
+    /// # Errors
+    /// [`MachineError::Unknown`] with the nearest known name, if one is near.
+    fn from_name(name: &str) -> Result<Self, MachineError> {
+        Ok(match name {
+            MATERIAL => Self::Material,
+            AMBIENT => Self::Ambient,
+            MELTING => Self::Melting,
+            YIELD => Self::Yield,
+            _ => Self::Quantity(SiQuantity::from_name(name).ok_or_else(|| {
+                let others = [MATERIAL, AMBIENT, MELTING, YIELD];
+                let known = SI_QUANTITIES.iter().map(|info| info.name).chain(others);
+                MachineError::Unknown {
+                    name: name.to_owned(),
+                    suggestion: parameters::nearest(name, known),
+                }
+            })?),
+        })
+    }
 }
 
 /// Checks that a quantity may have a value.
@@ -200,23 +215,39 @@ impl<'de> Visitor<'de> for Names {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Description, A::Error> {
         let mut description = Description::default();
-        while let Some(name) = map.next_key::<String>()? {
-            match name.as_str() {
-                MATERIAL => {
-                    let name = map.next_value::<String>()?;
-                    let material = Material::from_name(&name);
-                    let material = material.ok_or_else(|| A::Error::custom(MachineError::Material { name }))?;
-                    description.material = Some(material);
-                }
-                AMBIENT => description.ambient_temperature = Some(map.next_value()?),
-                MELTING => description.melting_point = Some(map.next_value()?),
-                YIELD => description.yield_strength = Some(map.next_value()?),
-                name => {
-                    let quantity = quantity(name).map_err(A::Error::custom)?;
+        while let Some(key) = map.next_key::<Key>()? {
+            match key {
+                Key::Quantity(quantity) => {
                     description.values.insert(quantity, map.next_value()?);
                 }
+                Key::Material => description.material = Some(map.next_value::<Known>()?.0),
+                Key::Ambient => description.ambient_temperature = Some(map.next_value()?),
+                Key::Melting => description.melting_point = Some(map.next_value()?),
+                Key::Yield => description.yield_strength = Some(map.next_value()?),
             }
         }
         Ok(description)
+    }
+}
+
+// names are checked as they are read, so that an error points to its line
+
+impl<'de> Deserialize<'de> for Key {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        Self::from_name(&name).map_err(D::Error::custom)
+    }
+}
+
+/// A material of the table.
+struct Known(&'static Material);
+
+impl<'de> Deserialize<'de> for Known {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        let material = Material::from_name(&name);
+        material
+            .map(Self)
+            .ok_or_else(|| D::Error::custom(MachineError::Material { name }))
     }
 }

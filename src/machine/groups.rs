@@ -42,9 +42,10 @@ pub(super) struct Groups<T> {
 /// ```
 ///
 /// with k1, k2, k3, c and B2 over the contact length. What cancels in them is left out, so that no derivative is rounding noise
-/// where it is 0: t*^2/B2 is 1/(k* R2^2), P* is E1 U*/((1 + nu1)(1 - 2 nu1) R1), and k_w knows no U*. `gamma` is the paper's gamma times its omega-tilde; without eta it is
-/// E alpha/((1 - 2 nu) rho c), the Grueneisen parameter of the shaft's material, which is between 1 and 2.5 for most metals. Where k* is not
-/// positive, t* is no number, nor is what depends on it.
+/// where it is 0: t*^2/B2 is 1/(k* R2^2), P* is E1 U*/((1 + nu1)(1 - 2 nu1) R1), k_w knows no U*, and only k* and epsilon, of
+/// which h1 is made, know the contact length. `gamma` is the paper's gamma times its omega-tilde; without eta it is
+/// E alpha/((1 - 2 nu) rho c), the Grueneisen parameter of the shaft's material, which is between 1 and 2.5 for most metals.
+/// Where k* is not positive, t* is no number, nor is what depends on it.
 pub(super) fn groups<T: Number>(of: impl Fn(Q) -> T) -> Groups<T> {
     let number = T::constant;
     let one = number(1.0);
@@ -56,13 +57,14 @@ pub(super) fn groups<T: Number>(of: impl Fn(Q) -> T) -> Groups<T> {
         Q::Damping,
         Q::Inertia,
     ]
-    .map(|quantity| of(quantity) / contact_length);
+    .map(&of);
     let (r1, r2) = (of(Q::ShaftRadius), of(Q::BushRadius));
     let (l0, l1) = (of(Q::SpringFreeLength), of(Q::SpringLength));
     let (expansion, poisson, young) = (of(Q::ThermalExpansion), of(Q::PoissonsRatio), of(Q::YoungsModulus));
     let (conductivity, diffusivity) = (of(Q::ThermalConductivity), of(Q::ThermalDiffusivity));
     let interference = of(Q::Interference);
 
+    // of the whole contact length, as are the springs
     let spring = k1 * (l0 / l1 - one) * (one + l1 / r2) - k2;
     let stiffness = spring * r2 * r2;
     let time = (b2 / stiffness).sqrt();
@@ -76,11 +78,11 @@ pub(super) fn groups<T: Number>(of: impl Fn(Q) -> T) -> Groups<T> {
     let radial =
         k1 * r2 * (r2 + l1) / number(6.0) * (l0 / l1 * (one + number(3.0) * ratio + number(3.0) * ratio * ratio) - one);
     let tangent = k3 * r2 * r2 * r2 * r2 - number(2.0 / 3.0) * k2 * r2 * r2;
-    let epsilon = number(2.0 * PI) * r1 * r1 * pressure / stiffness;
+    let epsilon = number(2.0 * PI) * r1 * r1 * pressure * contact_length / stiffness;
     let h = c * r2 * r2 * time / (number(2.0) * b2);
     let heat = (one - of(Q::WearEnergyShare)) * young * expansion * diffusivity / (conductivity * lateral);
     Groups {
-        spring,
+        spring: spring / contact_length,
         time,
         temperature,
         pressure,

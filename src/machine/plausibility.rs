@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use super::units::si;
+use super::units::{five_digits, si};
 use super::{Limits, Machine, SiQuantity};
 
 /// A value is warned of where it is this many times outside the usual range...
@@ -12,6 +12,12 @@ const FAR: f64 = 10.0;
 
 /// ...and a bush whose mean density lies outside these, in kg/m^3, by that factor: from plastic to tungsten.
 const DENSITIES: (f64, f64) = (1e3, 2e4);
+
+/// An ambient temperature below this, in K, is likely one in °C.
+const COLD: f64 = 150.0;
+
+/// Angles beyond this, in rad, are far from those for which the moment of the springs, taken to third order, holds.
+const FAR_ANGLE: f64 = 1.5;
 
 /// How far a magnitude lies outside a range, in orders of magnitude, if [`FAR`]; negative below.
 fn orders(value: f64, (low, high): (f64, f64)) -> Option<f64> {
@@ -31,7 +37,7 @@ fn far(orders: f64) -> String {
 }
 
 /// What is unlikely of machines, which are the corners of a region: values outside the usual ranges by an order of magnitude
-/// or more, and a bush of an impossible density. Each a sentence.
+/// or more, a bush of an impossible density, and an ambient temperature in which no machine runs. Each a sentence.
 ///
 /// # Panics
 /// If there is no machine.
@@ -81,6 +87,23 @@ pub fn plausibility_warnings(corners: &[Machine]) -> Vec<String> {
             }
         ));
     }
+    // of all corners, since limits are no axes
+    let limits = machine.limits();
+    let ambient = limits.ambient_temperature;
+    if ambient < COLD {
+        warnings.push(format!(
+            "ambient_temperature = {} is colder than where machines run: is it in °C? Then it is {} K",
+            si(ambient, "K"),
+            five_digits(ambient + 273.15)
+        ));
+    }
+    if let Some(melting_point) = limits.melting_point.filter(|limit| ambient >= *limit) {
+        warnings.push(format!(
+            "ambient_temperature = {} is above the melting point of the shaft, {}: it melts before it turns",
+            si(ambient, "K"),
+            si(melting_point, "K")
+        ));
+    }
     warnings
 }
 
@@ -92,13 +115,15 @@ fn density(machine: &Machine) -> f64 {
     2.0 * inertia / (PI * (r2.powi(4) - r1.powi(4)))
 }
 
-/// By which factor a limit of the material is passed, and what it is.
+/// A limit of the material or of the model that is passed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Beyond {
     /// The surface is hotter than this, in K.
     Melting { reached: f64, limit: f64 },
     /// The contact pressure is above the yield strength, in Pa.
     Yield { reached: f64, limit: f64 },
+    /// The bush turns further than this, in rad.
+    Angle { reached: f64, limit: f64 },
 }
 
 impl Beyond {
@@ -106,13 +131,16 @@ impl Beyond {
         match self {
             Self::Melting { .. } => "melting",
             Self::Yield { .. } => "yield",
+            Self::Angle { .. } => "angle",
         }
     }
 
     /// How many times the limit is reached.
     pub fn factor(&self) -> f64 {
         match self {
-            Self::Melting { reached, limit } | Self::Yield { reached, limit } => reached / limit,
+            Self::Melting { reached, limit } | Self::Yield { reached, limit } | Self::Angle { reached, limit } => {
+                reached / limit
+            }
         }
     }
 }
@@ -132,14 +160,21 @@ impl std::fmt::Display for Beyond {
                 si(*reached, "Pa"),
                 si(*limit, "Pa")
             ),
+            Self::Angle { reached, limit } => write!(
+                f,
+                "the bush would turn by {}, and the moment of the springs, taken to third order in the angle, is far off \
+                 beyond {}",
+                si(*reached, "rad"),
+                si(*limit, "rad")
+            ),
         }
     }
 }
 
 impl Machine {
-    /// The limits of the material that dimensionless peaks of the pressure p and of the surface temperature theta(1, tau)
-    /// pass: there the results are fiction. Peaks that are no numbers pass none.
-    pub fn beyond(&self, peak_pressure: f64, peak_temperature: f64) -> Vec<Beyond> {
+    /// The limits that dimensionless peaks of the pressure p and of the surface temperature theta(1, tau), and the greatest
+    /// magnitude of the angle x, pass: there the results are fiction. What is no number passes none.
+    pub fn beyond(&self, peak_pressure: f64, peak_temperature: f64, angle: f64) -> Vec<Beyond> {
         let scales = self.scales();
         let Limits {
             ambient_temperature,
@@ -154,7 +189,11 @@ impl Machine {
             reached: scales.pressure * peak_pressure,
             limit,
         });
-        let all = melting.into_iter().chain(pressed);
+        let turned = Beyond::Angle {
+            reached: angle,
+            limit: FAR_ANGLE,
+        };
+        let all = melting.into_iter().chain(pressed).chain([turned]);
         all.filter(|beyond| beyond.factor() > 1.0).collect()
     }
 }

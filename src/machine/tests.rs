@@ -417,12 +417,12 @@ fn unlikely_machines_are_warned_of_and_likely_ones_are_not() {
 }
 
 #[test]
-fn limits_of_the_material_are_passed_by_temperature_and_pressure() {
+fn limits_are_passed_by_temperature_pressure_and_angle() {
     let machine = template();
     let scales = machine.scales();
-    assert_eq!(machine.beyond(96.0, 543.0), []);
-    let beyond = machine.beyond(210e6 / scales.pressure, (1700.0 - 293.15) / scales.temperature);
-    assert_eq!(beyond.len(), 2);
+    assert_eq!(machine.beyond(96.0, 543.0, 1.4), []);
+    let beyond = machine.beyond(210e6 / scales.pressure, (1700.0 - 293.15) / scales.temperature, 3.2);
+    assert_eq!(beyond.len(), 3);
     assert!(
         beyond[0].to_string().contains("1700 K, and the shaft melts at 1670 K"),
         "{}",
@@ -435,5 +435,68 @@ fn limits_of_the_material_are_passed_by_temperature_and_pressure() {
         "{}",
         beyond[1]
     );
-    assert_eq!(machine.beyond(f64::NAN, f64::NAN), []);
+    assert!(
+        beyond[2].to_string().contains("the bush would turn by 3.2 rad"),
+        "{}",
+        beyond[2]
+    );
+    assert_eq!(machine.beyond(f64::NAN, f64::NAN, f64::NAN), []);
+}
+
+#[test]
+fn an_ambient_temperature_in_celsius_or_beyond_melting_is_warned_of() {
+    let warned = |ambient: f64| {
+        let mut description = Description::from_toml(TEMPLATE).unwrap();
+        description.ambient_temperature = Some(ambient);
+        let warnings = plausibility_warnings(&[description.complete(&[]).unwrap()]);
+        warnings
+            .into_iter()
+            .filter(|warning| warning.contains("ambient"))
+            .collect::<Vec<_>>()
+    };
+    assert!(
+        warned(20.0)[0].contains("is it in °C? Then it is 293.15 K"),
+        "{:?}",
+        warned(20.0)
+    );
+    assert!(
+        warned(2000.0)[0].contains("above the melting point of the shaft, 1670 K"),
+        "{:?}",
+        warned(2000.0)
+    );
+    assert_eq!((warned(293.15), warned(400.0)), (vec![], vec![]));
+}
+
+#[test]
+fn names_that_are_wrong_are_reported_with_their_line() {
+    for (toml, line) in [
+        (
+            "shaft_radius = 1e-3\nbush_radius = 5e-3\ninterferense = 1e-9\n",
+            "3 | interferense",
+        ),
+        (
+            "shaft_radius = 1e-3\n# a comment\nmaterial = \"stele\"\n",
+            "3 | material",
+        ),
+    ] {
+        let message = Description::from_toml(toml).unwrap_err().to_string();
+        assert!(message.contains("at line 3, ") && message.contains(line), "{message}");
+    }
+}
+
+#[test]
+fn the_contact_length_moves_nothing_but_what_it_enters() {
+    let mut description = generic().description(&[]);
+    description.values.insert(Q::Length, 0.3);
+    let whole = description.complete(&[]).unwrap();
+    let table = sensitivities(&whole);
+    let row = table
+        .quantities
+        .iter()
+        .position(|quantity| *quantity == Q::Length)
+        .unwrap();
+    for (group, value) in table.groups.iter().zip(&table.values[row]) {
+        let enters = ["epsilon", "h1", "k_star"].contains(&group.name);
+        assert_eq!(*value != 0.0, enters, "{}: {value}", group.name);
+    }
 }

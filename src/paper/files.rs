@@ -2,7 +2,9 @@
 //!
 //! Owns names and the rule of what is current; computes nothing.
 
+use std::collections::BTreeMap;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -29,7 +31,26 @@ pub struct Kept {
     pub program: String,
     pub revision: u32,
     pub effort: Effort,
+    /// The other files by their names, as they were written.
+    pub files: BTreeMap<String, Digest>,
     pub rows: Vec<Row>,
+}
+
+/// By which a file is told from another one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Digest {
+    pub bytes: usize,
+    pub crc32: u32,
+}
+
+impl Digest {
+    fn of(path: &Path) -> io::Result<Self> {
+        let content = fs::read(path)?;
+        Ok(Self {
+            bytes: content.len(),
+            crc32: crc32fast::hash(&content),
+        })
+    }
 }
 
 impl Files {
@@ -44,19 +65,29 @@ impl Files {
         self.folder.join(format!("figure-{}", figure.id))
     }
 
-    /// What is kept of a figure if its files are there and are what this version of the program would compute.
+    fn kept(&self, figure: &Figure) -> Option<Kept> {
+        let text = fs::read_to_string(with_ending(&self.name(figure), ".json")).ok()?;
+        serde_json::from_str(&text).ok()
+    }
+
+    /// What is kept of a figure if its files are as they were written, and are what this version of the program would
+    /// compute.
     pub fn current(&self, figure: &Figure) -> Option<Kept> {
-        let name = self.name(figure);
-        let text = fs::read_to_string(with_ending(&name, ".json")).ok()?;
-        let kept: Kept = serde_json::from_str(&text).ok()?;
+        let kept = self.kept(figure)?;
         let is_current = kept.figure == figure.id
             && kept.program == PROGRAM
             && kept.revision == figure.revision
             && kept.effort == self.effort
-            && [".png", ".svg"]
+            && kept
+                .files
                 .iter()
-                .all(|ending| with_ending(&name, ending).is_file());
+                .all(|(name, digest)| Digest::of(&self.folder.join(name)).is_ok_and(|found| found == *digest));
         is_current.then_some(kept)
+    }
+
+    /// Whether the figure is there from another effort, which is not to be lost by the way.
+    pub fn is_of_other_effort(&self, figure: &Figure) -> bool {
+        self.kept(figure).is_some_and(|kept| kept.effort != self.effort)
     }
 
     /// Writes a figure's pictures, data and rows; returns the files. The rows come last: where they are, all is.
@@ -65,13 +96,6 @@ impl Files {
     /// If the figure cannot be drawn, or a file cannot be written.
     pub fn write(&self, figure: &Figure, outcome: &Outcome) -> Result<Vec<PathBuf>, FilesError> {
         let name = self.name(figure);
-        let kept = Kept {
-            figure: figure.id.to_owned(),
-            program: PROGRAM.to_owned(),
-            revision: figure.revision,
-            effort: self.effort,
-            rows: outcome.rows.clone(),
-        };
         let json_path = with_ending(&name, ".json");
         // what is half replaced must not pass for current
         if json_path.exists() {
@@ -100,6 +124,14 @@ impl Files {
             write_rows(&path, &[comment], &data.columns, data.rows.iter().map(Vec::as_slice))?;
             files.push(path);
         }
+        let kept = Kept {
+            figure: figure.id.to_owned(),
+            program: PROGRAM.to_owned(),
+            revision: figure.revision,
+            effort: self.effort,
+            files: files.iter().map(|path| digest(path)).collect::<Result<_, _>>()?,
+            rows: outcome.rows.clone(),
+        };
         let text = serde_json::to_string_pretty(&kept).expect("rows have a JSON form");
         write_text(&json_path, &(text + "\n"))?;
         files.push(json_path);
@@ -122,6 +154,16 @@ impl Files {
     }
 }
 
+/// A file's name with its digest.
+fn digest(path: &Path) -> Result<(String, Digest), FilesError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let digest = Digest::of(path).map_err(|source| FilesError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    Ok((name, digest))
+}
+
 #[derive(Debug, thiserror::Error)]
 pub enum FilesError {
     #[error(transparent)]
@@ -131,5 +173,7 @@ pub enum FilesError {
     #[error(transparent)]
     Table(#[from] TableError),
     #[error("{} cannot be removed: {source}; check the folder's permissions", path.display())]
-    Remove { path: PathBuf, source: std::io::Error },
+    Remove { path: PathBuf, source: io::Error },
+    #[error("{} cannot be read again: {source}; check the disk", path.display())]
+    Read { path: PathBuf, source: io::Error },
 }

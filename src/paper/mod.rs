@@ -14,7 +14,7 @@ use std::ops::ControlFlow;
 
 use serde::{Deserialize, Serialize};
 
-pub use self::files::{Files, FilesError, Kept};
+pub use self::files::{Digest, Files, FilesError, Kept};
 use self::table::Row;
 use crate::analysis::melnikov::CurveError;
 use crate::backend::BackendError;

@@ -104,8 +104,21 @@ fn only_current_figures_count() {
     let (table, path) = files.write_table().unwrap();
     assert_eq!(table.lines().count(), 2 + 9);
     assert_eq!(std::fs::read_to_string(path).unwrap(), table);
-    std::fs::remove_file(folder.path().join("figure-4.1.svg")).unwrap();
-    assert!(files.current(figure).is_none());
+    assert!(!files.is_of_other_effort(figure));
+    assert!(Files::new(folder.path(), Effort::Full).is_of_other_effort(figure));
+    // a file that is gone, cut short, or another one of the same length
+    for name in ["figure-4.1.svg", "figure-4.1.png", "figure-4.1a.csv"] {
+        let path = folder.path().join(name);
+        let whole = std::fs::read(&path).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        assert!(files.current(figure).is_none(), "{name}");
+        for other in [whole[..whole.len() / 2].to_vec(), vec![b' '; whole.len()]] {
+            std::fs::write(&path, other).unwrap();
+            assert!(files.current(figure).is_none(), "{name}");
+        }
+        std::fs::write(&path, whole).unwrap();
+        assert!(files.current(figure).is_some(), "{name}");
+    }
 }
 
 #[test]

@@ -1,44 +1,90 @@
 //! How long a sweep will take, by trying.
 
-use std::time::Instant;
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
 
-use crate::backend::{Backend, BackendError, Slice, Stage};
+use super::{Backends, Event, instance_periods};
+use crate::backend::BackendError;
 use crate::experiment::Experiment;
+use crate::measurement::BackendKind;
 
-/// Seconds that the experiment takes on the backend, extrapolated from a few periods of one batch.
+/// A sample that takes so long tells enough...
+const ENOUGH: Duration = Duration::from_secs(1);
+/// ...and one that takes longer than this is broken off.
+const MOST: Duration = Duration::from_secs(5);
+
+/// Neighbours in a sample, which share the lanes of a block as they do in a sweep.
+const NEIGHBOURS: usize = 32;
+
+/// Seconds that the experiment takes, extrapolated from a sample of its points that is measured as they all will be: what a
+/// point costs changes as its shaft warms up, its contact is lost, or its motion is decided, and from place to place.
 ///
 /// # Errors
 /// If the backend fails.
-pub fn seconds(backend: &mut dyn Backend, experiment: &Experiment) -> Result<f64, BackendError> {
+pub fn seconds(backends: &mut Backends, experiment: &Experiment) -> Result<f64, BackendError> {
     let settings = &experiment.settings;
     let points = experiment.grid.len();
-    // points from all over the grid: they may differ in cost
-    let sample = backend.batch_size().min(points);
-    let instances: Vec<_> = (0..sample)
-        .map(|i| experiment.grid.point(i * (points / sample)))
-        .collect();
-    backend.load(settings, &instances)?;
-    let mut elapsed = 0;
-    let mut seconds_per_period = |stage| {
-        // the first period warms up
-        let mut seconds = 0.0;
-        for first in 0..2 {
-            let started = Instant::now();
-            backend.advance(&Slice {
-                stage,
-                first,
-                periods: 1,
-                elapsed,
-            })?;
-            elapsed += 1;
-            seconds = started.elapsed().as_secs_f64();
-        }
-        Ok::<_, BackendError>(seconds)
+    let batch = backends.points_per_batch(settings).min(points);
+    // a GPU takes as long for a few points as for a batch
+    let mut sample = match backends.active().kind() {
+        BackendKind::GpuF32 => batch,
+        BackendKind::CpuF64 | BackendKind::CpuF32 => (batch / 32).max(1),
     };
-    let plain = seconds_per_period(Stage::Transient)?;
-    let tangent = seconds_per_period(Stage::Measure)?;
-    let plain_periods = f64::from(settings.transient_periods - settings.align_periods);
-    let tangent_periods = f64::from(settings.align_periods + settings.periods);
-    let batches = points as f64 * f64::from(settings.initial_states) / sample as f64;
-    Ok(batches * (plain * plain_periods + tangent * tangent_periods))
+    loop {
+        let indices = spread(sample, points);
+        let started = Instant::now();
+        let mut done = 0;
+        let finished = backends.measure(&experiment.grid, settings, &indices, &mut |event| {
+            if let Event::Advanced(instance_periods) = event {
+                done += instance_periods;
+            }
+            if started.elapsed() < MOST {
+                ControlFlow::Continue(())
+            } else {
+                ControlFlow::Break(())
+            }
+        })?;
+        let elapsed = started.elapsed();
+        if finished.is_some() && elapsed < ENOUGH && sample < batch {
+            sample = (4 * sample).min(batch);
+            continue;
+        }
+        let share = match finished {
+            Some(_) => indices.len() as f64 / points as f64,
+            None => done as f64 / instance_periods(settings, points) as f64,
+        };
+        return Ok(elapsed.as_secs_f64() / share);
+    }
+}
+
+/// Indices of about `sample` of the points: runs of neighbours from all over the grid.
+fn spread(sample: usize, points: usize) -> Vec<usize> {
+    let runs = sample.div_ceil(NEIGHBOURS);
+    let length = sample.div_ceil(runs);
+    (0..runs)
+        .flat_map(|run| {
+            let first = run * points / runs;
+            first..(first + length).min((run + 1) * points / runs)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sample_has_its_size_and_comes_from_all_over_the_grid() {
+        for (sample, points) in [(1, 1), (5, 7), (64, 64), (128, 60_300), (1000, 1001)] {
+            let indices = spread(sample, points);
+            assert!(
+                indices.len().abs_diff(sample) <= sample.div_ceil(NEIGHBOURS),
+                "{}",
+                indices.len()
+            );
+            assert!(indices.is_sorted_by(|a, b| a < b) && indices.iter().all(|index| *index < points));
+        }
+        assert_eq!(spread(64, 6400).into_iter().filter(|index| *index >= 3200).count(), 32);
+        assert_eq!(spread(64, 64), Vec::from_iter(0..64));
+    }
 }
