@@ -230,7 +230,7 @@ fn lyapunov_finds_the_onset_and_names_the_initial_state() {
         "--out",
         "w",
     ];
-    assert!(run(folder.path(), &worn).contains("not looked for"));
+    assert!(run(folder.path(), &worn).contains("not looked for (with wear all motion is transient"));
     for (args, reason) in [
         (&["--onset-spacing", "0"][..], "must be positive"),
         (
@@ -239,6 +239,14 @@ fn lyapunov_finds_the_onset_and_names_the_initial_state() {
         ),
         (&["--x", "y0=0:1:5"], "--start"),
         (&["--limits", "1:0"], "lower one first"),
+        (
+            &["--x", "zeta_k=3:5:21", "--onset-spacing", "1e-9"],
+            "--onset-spacing 1e-9 makes 100000000 values within a step 0.1",
+        ),
+        (
+            &["--x", "zeta_k=3:5:100000"],
+            "300000 exponents (100000 values from 3 initial states) are too many (at most 200000)",
+        ),
     ] {
         assert_refused(folder.path(), &[&["lyapunov", "--out", "l"], args].concat(), reason);
     }
@@ -339,6 +347,113 @@ fn bench_tells_what_kernels_cost_and_how_exact_they_are() {
         &["bench", "--backend", "gpu", "--precision", "f64"],
         "a GPU has only f32",
     );
+}
+
+#[test]
+fn lyapunov_confirms_the_onset_over_more_periods() {
+    let folder = TempDir::new().unwrap();
+    let args = ["lyapunov", "--x", "zeta_k=3.6:4:21"];
+    let said = run(folder.path(), &args);
+    assert!(
+        said.contains("onset: zeta_k = 3.8025") && said.contains("confirmed over 2000 periods: 0.0"),
+        "{said}"
+    );
+    let found = object(folder.path(), &[&args[..], &["--json"]].concat());
+    let onset = &found["onset"];
+    assert_eq!(
+        (&onset["confirmed"], &onset["confirmation"]["class"]),
+        (&true.into(), &"chaotic".into())
+    );
+    let error = |of: &Value| of["lyapunov_error"].as_f64().unwrap();
+    // the definition's own error is as large as its exponent
+    assert!(error(&onset["confirmation"]) < 0.25 * error(onset));
+    let svg = fs::read_to_string(folder.path().join("outputs/lyapunov.svg")).unwrap();
+    assert!(svg.contains("each from 3 initial states") && svg.contains("the one with the first onset"));
+}
+
+#[test]
+fn lyapunov_claims_nothing_of_points_that_were_not_measured() {
+    let folder = TempDir::new().unwrap();
+    // without the cubic spring the saddle repels for ever
+    let args = ["lyapunov", "--set", "b=-1", "--x", "zeta_k=3:4:3"];
+    let said = run(folder.path(), &args);
+    assert!(
+        said.contains("9 of 9 exponents were not measured, since their points are under-resolved")
+            && said.contains("--scheme radau")
+            && said.contains("onset: unknown, since nothing was measured"),
+        "{said}"
+    );
+    let (_, rows) = table(&folder.path().join("outputs/lyapunov.csv"));
+    assert!(rows.len() == 9 && rows.iter().all(|row| row[3..].iter().all(|value| value.is_nan())));
+    let found = object(folder.path(), &[&args[..], &["--json"]].concat());
+    assert_eq!(
+        (&found["onset"], &found["under_resolved"], &found["runaways"]),
+        (&"unknown".into(), &9.into(), &0.into())
+    );
+
+    let some = ["lyapunov", "--set", "zeta_k=1", "--x", "b=-1:1:3", "--out", "some"];
+    let said = run(folder.path(), &some);
+    assert!(
+        said.contains("none of the initial states leads to chaos where it was measured, which 6 of 9 points were not"),
+        "{said}"
+    );
+    let svg = fs::read_to_string(folder.path().join("some.svg")).unwrap();
+    assert!(svg.contains("Values without exponents: 1 ran away, 1 under-resolved"));
+}
+
+#[test]
+fn lyapunov_begins_where_a_preset_says() {
+    let folder = TempDir::new().unwrap();
+    let args = [
+        "lyapunov",
+        "--preset",
+        "paper",
+        "--x",
+        "zeta_k=3.5:3.9:2",
+        "--periods",
+        "16",
+    ];
+    let found = object(folder.path(), &[&args[..], &["--json"]].concat());
+    assert_eq!(found["starts"], serde_json::json!([[0.0, 0.0]]));
+    let (names, rows) = table(&folder.path().join("outputs/lyapunov.csv"));
+    // of finite time, without errors and classes
+    assert_eq!((names.as_str(), rows.len()), ("x0,y0,zeta_k,lambda_1,lambda_3", 2));
+    let svg = fs::read_to_string(folder.path().join("outputs/lyapunov.svg")).unwrap();
+    assert!(svg.contains("16 forcing periods from the start") && !svg.contains("standard errors"));
+    // --start goes over it
+    let typed = ["--start", "0.1,0", "--out", "typed", "--json"];
+    let found = object(folder.path(), &[&args[..], &typed].concat());
+    assert_eq!(found["starts"], serde_json::json!([[0.1, 0.0]]));
+    let help = text(&tribochaos(folder.path(), &["lyapunov", "--help"]).stdout);
+    assert!(
+        help.split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ")
+            .contains("else 0.1,0 and 1,0 and -1,0")
+    );
+}
+
+#[test]
+fn lyapunov_names_the_exponents_that_there_are() {
+    let folder = TempDir::new().unwrap();
+    let args = [
+        "lyapunov",
+        "--set",
+        "gamma=0.002",
+        "--x",
+        "zeta_k=3.5:3.6:2",
+        "--start",
+        "0.1,0",
+    ];
+    run(
+        folder.path(),
+        &[&args[..], &["--transient-periods", "30", "--periods", "16"]].concat(),
+    );
+    let (names, rows) = table(&folder.path().join("outputs/lyapunov.csv"));
+    assert_eq!(names, "x0,y0,zeta_k,lambda_1,lambda_1_error,lambda_3,class");
+    assert!(rows.iter().flatten().all(|value| value.is_finite()));
+    let svg = fs::read_to_string(folder.path().join("outputs/lyapunov.svg")).unwrap();
+    assert!(svg.contains("λ₁ (band: ± 2 standard errors)") && !svg.contains("λ₂"));
 }
 
 #[test]

@@ -38,7 +38,7 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     let mut defaults = Request::default();
     defaults.settings.transient_periods = 500;
     let mut experiment = analysis::experiment(&args.experiment, None, defaults)?;
-    analysis::check_lasting(&experiment)?;
+    analysis::check_lasting(experiment.wears())?;
     if args.experiment.periods.is_some() {
         return Err(Failure::Input(anyhow::anyhow!(
             "the measured periods of a section follow from --points: leave --periods out"

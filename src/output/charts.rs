@@ -207,7 +207,8 @@ pub fn bifurcation(title: &str, diagram: &Diagram, component: Component, limits:
 /// Standard errors that a band is wide to either side.
 const BAND: f64 = 2.0;
 
-/// The three exponents over the axis of a line, with error bands and the onset of chaos.
+/// The exponents over the axis of a line, with error bands and the onset of chaos. With heat there is no second one, and one
+/// of finite time has no error: what is nowhere on the line is neither drawn nor named.
 pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits) -> Panel {
     let axis = &line.axis;
     let label = AxisLabel::of(axis, &line.fixed);
@@ -228,6 +229,13 @@ pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits
     let (first, second, third) = (colour_of(4), colour_of(0), FAINT);
     let (low, high) = (axis.start.min(axis.stop), axis.start.max(axis.stop));
     let (low, high) = (label.factor * low, label.factor * high);
+    let occurs = |value: fn(&Measurement) -> f64| line.measurements.iter().any(|m| value(m).is_finite());
+    let has_second = occurs(|m| m.lyapunov_second);
+    let bands = match (occurs(|m| m.lyapunov_error), has_second) {
+        (true, true) => " (bands: ± 2 standard errors)",
+        (true, false) => " (band: ± 2 standard errors)",
+        (false, _) => "",
+    };
     let mut layers = vec![
         Layer::Curve {
             name: "λ₃ = 0, along the flow".to_owned(),
@@ -244,17 +252,19 @@ pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits
             points: band(|m| [m.lyapunov, m.lyapunov_error]),
             colour: first,
         },
-        Layer::Curve {
+    ];
+    if has_second {
+        layers.push(Layer::Curve {
             name: "λ₂".to_owned(),
             points: curve(|m| m.lyapunov_second),
             stroke: Stroke::solid(second, 1.2),
-        },
-        Layer::Curve {
-            name: "λ₁ (bands: ± 2 standard errors)".to_owned(),
-            points: curve(|m| m.lyapunov),
-            stroke: Stroke::solid(first, 1.2),
-        },
-    ];
+        });
+    }
+    layers.push(Layer::Curve {
+        name: format!("λ₁{bands}"),
+        points: curve(|m| m.lyapunov),
+        stroke: Stroke::solid(first, 1.2),
+    });
     if let Some(found) = onset {
         layers.push(Layer::Flag {
             x: label.factor * found.value,
@@ -265,10 +275,12 @@ pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits
             stroke: Stroke::dashed([0, 0, 0], 1.2),
         });
     }
-    let values = line
-        .measurements
-        .iter()
-        .flat_map(|m| [m.lyapunov, m.lyapunov_second, 0.0]);
+    let with_band = |value: f64, error: f64| [value, value - BAND * error, value + BAND * error];
+    let values = line.measurements.iter().flat_map(|m| {
+        let first = with_band(m.lyapunov, m.lyapunov_error);
+        let second = with_band(m.lyapunov_second, m.lyapunov_second_error);
+        first.into_iter().chain(second).chain([0.0])
+    });
     Panel {
         title: title.to_owned(),
         x: Scale::new(&label.words, low, high),
