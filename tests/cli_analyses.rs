@@ -118,9 +118,78 @@ fn phase_draws_orbits_and_does_not_overwrite_others() {
         (&["--start", "1,0", "--set", "x0=1"], "leave x0, y0"),
         (&["--initial-states", "100"], "too many for one picture"),
         (&["--periods", "2"], "from 16"),
-        (&["--set", "gamma=1.87"], "set gamma = 0 and k_w = 0"),
+        (&["--set", "k_w=0.01"], "set k_w = 0"),
+        (&["--at", "k_w=0,0.01"], "set k_w = 0"),
+        (&["--at", "gamma=0,1.87", "--scheme", "taylor"], "leave --scheme out"),
     ] {
         assert_refused(folder.path(), &[&["phase", "--out", "p"], args].concat(), reason);
+    }
+}
+
+/// The number of different states at drive phase 0, to three digits, of each value in the table.
+fn stroboscopic_states(rows: &[Vec<f64>], value: f64) -> usize {
+    let states = rows.iter().filter(|row| row[2] == value && row[6] == 1.0);
+    let rounded = states.map(|row| [row[4], row[5]].map(|state| (state * 1e3).round() as i64));
+    rounded.collect::<std::collections::BTreeSet<_>>().len()
+}
+
+#[test]
+fn phase_carries_heat() {
+    let folder = TempDir::new().unwrap();
+    // the paper's figure 5.1: a subharmonic and a periodic motion
+    let args = ["phase", "--preset", "paper", "--set", "k_w=0", "--at", "zeta_k=3.5,3.9"];
+    let short = ["--transient-periods", "150", "--periods", "16", "--json"];
+    let found = object(folder.path(), &[&args[..], &short].concat());
+    assert!(
+        found["orbits"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .all(|orbit| orbit["status"] == "ok")
+    );
+    let (_, rows) = table(&folder.path().join("outputs/phase.csv"));
+    assert_eq!(rows.iter().filter(|row| row[6] == 1.0).count(), 2 * 17);
+    assert_eq!(
+        (stroboscopic_states(&rows, 3.5), stroboscopic_states(&rows, 3.9)),
+        (2, 1)
+    );
+    assert_eq!(
+        (rows[0][3], rows[0][0]),
+        (0.0, 0.0),
+        "tau begins with what is shown, x0 is the preset's"
+    );
+
+    // the scheme is that of the values, whatever is set
+    let args = ["phase", "--set", "zeta_k=3.9", "--at", "gamma=0,1.87", "--out", "gamma"];
+    run(folder.path(), &[&args[..], &short].concat());
+    let svg = fs::read_to_string(folder.path().join("gamma.svg")).unwrap();
+    assert!(svg.contains("Radau"));
+}
+
+#[test]
+fn phase_tells_how_an_orbit_ended() {
+    let folder = TempDir::new().unwrap();
+    let stiff = "--set f_0=1000 --set epsilon_0=1e-3 --set omega_k=0 --at zeta_k=0.2";
+    for (args, ending) in [
+        (
+            format!("{stiff} --out t"),
+            "from (0.1, 0) at zeta_k = 0.2 is under-resolved (the motion is too stiff",
+        ),
+        (format!("{stiff} --out s --scheme radau"), ""),
+        // without the cubic spring the saddle repels for ever
+        (
+            "--set b=-1 --out r --scheme radau".to_owned(),
+            "from (0.1, 0) at zeta_k = 3.9 ran away at tau = ",
+        ),
+    ] {
+        let typed: Vec<&str> = args.split(' ').collect();
+        let output = tribochaos(folder.path(), &[&["phase"], &typed[..]].concat());
+        let stderr = text(&output.stderr);
+        assert!(output.status.success(), "{args}: {stderr}");
+        assert!(
+            stderr.contains(ending) && stderr.is_empty() == ending.is_empty(),
+            "{args}: {stderr}"
+        );
     }
 }
 
