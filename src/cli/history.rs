@@ -122,7 +122,7 @@ pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
         let mut object = object(&experiment, periods, last, status, &contact);
         if scales.is_some() {
             object["si"] = si::contact(&at, &contact);
-            let warnings = experiment.warnings().into_iter().chain(beyond);
+            let warnings = experiment.machine_warnings().into_iter().chain(beyond);
             object["warnings"] = warnings.collect();
         }
         files.report(Some(analysis::with_machine(object, &experiment)));
@@ -173,7 +173,8 @@ fn experiment(args: &HistoryArgs) -> Result<(Experiment, u32), Failure> {
     // measurements need more periods than a history, which has its own number of them
     settings.periods = Request::default().settings.periods;
     let experiment = request.resolve_point().map_err(Failure::input)?;
-    for warning in experiment.warnings() {
+    // none of the transient's length: a history shows the transient
+    for warning in experiment.machine_warnings() {
         eprintln!("warning: {warning}");
     }
     Ok((experiment, periods))
