@@ -222,6 +222,29 @@ fn poincare_counts_its_states() {
 }
 
 #[test]
+fn poincare_tells_a_window_beside_the_attractor_from_a_cycle() {
+    let folder = TempDir::new().unwrap();
+    let small = ["poincare", "--points", "2000", "--transient-periods", "200"];
+    for (args, missed, cycle) in [
+        (&["--window", "5:6,5:6", "--out", "beside"][..], true, false),
+        (&["--set", "zeta_k=3.5", "--out", "cycle"], false, true),
+        (
+            &["--set", "zeta_k=3.5", "--window", "5:6,5:6", "--out", "both"],
+            true,
+            true,
+        ),
+    ] {
+        let said = run(folder.path(), &[&small[..], args].concat());
+        assert_eq!(
+            said.contains("no state lies in the window: all lie within --window "),
+            missed,
+            "{said}"
+        );
+        assert_eq!(said.contains("those of a cycle"), cycle, "{said}");
+    }
+}
+
+#[test]
 fn bifurcation_shows_states_over_an_axis() {
     let folder = TempDir::new().unwrap();
     let small = [
@@ -319,103 +342,6 @@ fn lyapunov_finds_the_onset_and_names_the_initial_state() {
     ] {
         assert_refused(folder.path(), &[&["lyapunov", "--out", "l"], args].concat(), reason);
     }
-}
-
-#[test]
-fn theory_is_drawn_over_maps_where_it_has_a_curve() {
-    let folder = TempDir::new().unwrap();
-    let settings = ["--backend", "cpu", "--transient-periods", "60", "--periods", "64"];
-    let map = |axes: &[&'static str], out: &'static str| {
-        [&["map", "--overlay", "melnikov", "--out", out], axes, &settings[..]].concat()
-    };
-    run(folder.path(), &map(&["--x", "zeta_k=3:5:8", "--y", "h1=0:1.5:6"], "m"));
-    let with = fs::read(folder.path().join("m-lyapunov.png")).unwrap();
-    run(folder.path(), &["render", "m.zarr"]);
-    let without = fs::read(folder.path().join("m-lyapunov.png")).unwrap();
-    assert_ne!(with, without);
-    run(folder.path(), &["render", "m.zarr", "--overlay", "melnikov"]);
-    assert_eq!(fs::read(folder.path().join("m-lyapunov.png")).unwrap(), with);
-    for (x, y, reason) in [
-        ("epsilon=0.05:0.2:3", "x0=0:1:3", "neither on epsilon nor on x0"),
-        ("zeta_k=0:1:3", "h1=0:1:3", "nowhere"),
-    ] {
-        assert_refused(folder.path(), &map(&["--x", x, "--y", y], "q"), reason);
-    }
-    assert!(!folder.path().join("q.zarr").exists(), "refused before any work");
-}
-
-#[test]
-fn reproduce_computes_what_is_not_current() {
-    let folder = TempDir::new().unwrap();
-    let args = ["reproduce", "--figure", "4.1", "--quick"];
-    let said = run(folder.path(), &args);
-    assert!(
-        said.contains("| 4.1 | zeta_k from which M changes sign, h1 = 0.5 | 3.50 to 3.90 | 3.6933 | within |"),
-        "{said}"
-    );
-    let path = |name: &str| folder.path().join("outputs/paper").join(name);
-    for name in [
-        "figure-4.1.png",
-        "figure-4.1.svg",
-        "figure-4.1a.csv",
-        "figure-4.1.json",
-        "table.md",
-    ] {
-        assert!(path(name).is_file(), "{name}");
-    }
-    assert!(run(folder.path(), &args).contains("figure 4.1 is current"));
-    fs::remove_file(path("figure-4.1.png")).unwrap();
-    assert!(run(folder.path(), &args).contains("wrote outputs/paper/figure-4.1.png"));
-
-    assert_refused(folder.path(), &["reproduce", "--figure", "9.9"], "3.1, 3.2, 4.1");
-    fs::write(folder.path().join("file"), "").unwrap();
-    assert_refused(folder.path(), &["reproduce", "--out", "file"], "is a file");
-}
-
-#[test]
-fn bench_tells_what_kernels_cost_and_how_exact_they_are() {
-    let folder = TempDir::new().unwrap();
-    let said = run(
-        folder.path(),
-        &[
-            "bench",
-            "--backend",
-            "cpu",
-            "--scheme",
-            "taylor",
-            "--precision",
-            "f64",
-            "--json",
-        ],
-    );
-    let object: serde_json::Value = serde_json::from_str(&said).unwrap();
-    assert_eq!(object["default_scheme"], "taylor");
-    let kernels = object["kernels"].as_array().unwrap();
-    // one for every instruction set of this machine, the fastest first
-    assert!(!kernels.is_empty());
-    for kernel in kernels {
-        assert_eq!(
-            (
-                &kernel["model"],
-                &kernel["backend"],
-                &kernel["precision"],
-                &kernel["scheme"]
-            ),
-            (&"reduced".into(), &"cpu".into(), &"f64".into(), &"taylor".into())
-        );
-        assert!(kernel["lanes"].as_u64().unwrap() >= 2 && kernel["modes"].is_null());
-        assert!(kernel["device"].as_str().unwrap().starts_with("CPU"));
-        let number = |name: &str| kernel[name].as_f64().unwrap();
-        assert!(number("ns_motion_alone") > 0.0 && number("ns_with_vectors") > 0.0);
-        let mean = 0.5 * (number("ns_motion_alone") + number("ns_with_vectors"));
-        assert!((number("ns_per_instance_period") - mean).abs() < 1e-6 * mean);
-        assert!(number("exponent_error_median") <= 1e-7 && number("exponent_error_p99") <= 2e-5);
-    }
-    assert_refused(
-        folder.path(),
-        &["bench", "--backend", "gpu", "--precision", "f64"],
-        "a GPU has only f32",
-    );
 }
 
 #[test]
@@ -523,6 +449,103 @@ fn lyapunov_names_the_exponents_that_there_are() {
     assert!(rows.iter().flatten().all(|value| value.is_finite()));
     let svg = fs::read_to_string(folder.path().join("outputs/lyapunov.svg")).unwrap();
     assert!(svg.contains("λ₁ (band: ± 2 standard errors)") && !svg.contains("λ₂"));
+}
+
+#[test]
+fn theory_is_drawn_over_maps_where_it_has_a_curve() {
+    let folder = TempDir::new().unwrap();
+    let settings = ["--backend", "cpu", "--transient-periods", "60", "--periods", "64"];
+    let map = |axes: &[&'static str], out: &'static str| {
+        [&["map", "--overlay", "melnikov", "--out", out], axes, &settings[..]].concat()
+    };
+    run(folder.path(), &map(&["--x", "zeta_k=3:5:8", "--y", "h1=0:1.5:6"], "m"));
+    let with = fs::read(folder.path().join("m-lyapunov.png")).unwrap();
+    run(folder.path(), &["render", "m.zarr"]);
+    let without = fs::read(folder.path().join("m-lyapunov.png")).unwrap();
+    assert_ne!(with, without);
+    run(folder.path(), &["render", "m.zarr", "--overlay", "melnikov"]);
+    assert_eq!(fs::read(folder.path().join("m-lyapunov.png")).unwrap(), with);
+    for (x, y, reason) in [
+        ("epsilon=0.05:0.2:3", "x0=0:1:3", "neither on epsilon nor on x0"),
+        ("zeta_k=0:1:3", "h1=0:1:3", "nowhere"),
+    ] {
+        assert_refused(folder.path(), &map(&["--x", x, "--y", y], "q"), reason);
+    }
+    assert!(!folder.path().join("q.zarr").exists(), "refused before any work");
+}
+
+#[test]
+fn reproduce_computes_what_is_not_current() {
+    let folder = TempDir::new().unwrap();
+    let args = ["reproduce", "--figure", "4.1", "--quick"];
+    let said = run(folder.path(), &args);
+    assert!(
+        said.contains("| 4.1 | zeta_k from which M changes sign, h1 = 0.5 | 3.50 to 3.90 | 3.6933 | within |"),
+        "{said}"
+    );
+    let path = |name: &str| folder.path().join("outputs/paper").join(name);
+    for name in [
+        "figure-4.1.png",
+        "figure-4.1.svg",
+        "figure-4.1a.csv",
+        "figure-4.1.json",
+        "table.md",
+    ] {
+        assert!(path(name).is_file(), "{name}");
+    }
+    assert!(run(folder.path(), &args).contains("figure 4.1 is current"));
+    fs::remove_file(path("figure-4.1.png")).unwrap();
+    assert!(run(folder.path(), &args).contains("wrote outputs/paper/figure-4.1.png"));
+
+    assert_refused(folder.path(), &["reproduce", "--figure", "9.9"], "3.1, 3.2, 4.1");
+    fs::write(folder.path().join("file"), "").unwrap();
+    assert_refused(folder.path(), &["reproduce", "--out", "file"], "is a file");
+}
+
+#[test]
+fn bench_tells_what_kernels_cost_and_how_exact_they_are() {
+    let folder = TempDir::new().unwrap();
+    let said = run(
+        folder.path(),
+        &[
+            "bench",
+            "--backend",
+            "cpu",
+            "--scheme",
+            "taylor",
+            "--precision",
+            "f64",
+            "--json",
+        ],
+    );
+    let object: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(object["default_scheme"], "taylor");
+    let kernels = object["kernels"].as_array().unwrap();
+    // one for every instruction set of this machine, the fastest first
+    assert!(!kernels.is_empty());
+    for kernel in kernels {
+        assert_eq!(
+            (
+                &kernel["model"],
+                &kernel["backend"],
+                &kernel["precision"],
+                &kernel["scheme"]
+            ),
+            (&"reduced".into(), &"cpu".into(), &"f64".into(), &"taylor".into())
+        );
+        assert!(kernel["lanes"].as_u64().unwrap() >= 2 && kernel["modes"].is_null());
+        assert!(kernel["device"].as_str().unwrap().starts_with("CPU"));
+        let number = |name: &str| kernel[name].as_f64().unwrap();
+        assert!(number("ns_motion_alone") > 0.0 && number("ns_with_vectors") > 0.0);
+        let mean = 0.5 * (number("ns_motion_alone") + number("ns_with_vectors"));
+        assert!((number("ns_per_instance_period") - mean).abs() < 1e-6 * mean);
+        assert!(number("exponent_error_median") <= 1e-7 && number("exponent_error_p99") <= 2e-5);
+    }
+    assert_refused(
+        folder.path(),
+        &["bench", "--backend", "gpu", "--precision", "f64"],
+        "a GPU has only f32",
+    );
 }
 
 #[test]
