@@ -180,7 +180,8 @@ impl Contact {
     }
 }
 
-/// What is measured of one point. Numbers are NaN where they do not apply (after a runaway).
+/// What is measured of one point. Numbers are NaN where they do not apply: where the orbit ran away, and but for the
+/// contact's where it is under-resolved.
 #[derive(Clone, Copy, Debug)]
 pub struct Measurement {
     pub status: Status,

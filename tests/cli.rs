@@ -273,6 +273,29 @@ fn tangent_vectors_that_overflow_are_no_result() {
 }
 
 #[test]
+fn an_orbit_that_was_given_up_has_no_exponents() {
+    // without the cubic spring the saddle repels for ever
+    let given_up = point(&["--set", "b=-1"]);
+    assert_eq!(given_up["status"], "under_resolved");
+    for key in [
+        "lyapunov",
+        "lyapunov_error",
+        "lyapunov_second",
+        "divergence",
+        "spectrum",
+        "x",
+    ] {
+        assert!(given_up[key].is_null(), "{key}: {}", given_up[key]);
+    }
+    let output = tribochaos(TempDir::new().unwrap().path(), &["point", "--set", "b=-1"]);
+    let said = text(&output.stdout);
+    assert!(
+        said.contains("under-resolved") && said.contains("--scheme radau") && !said.contains("exponent"),
+        "{said}"
+    );
+}
+
+#[test]
 fn a_state_at_rest_has_period_one() {
     let point = point(&[
         "--set",

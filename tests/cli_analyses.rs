@@ -118,9 +118,78 @@ fn phase_draws_orbits_and_does_not_overwrite_others() {
         (&["--start", "1,0", "--set", "x0=1"], "leave x0, y0"),
         (&["--initial-states", "100"], "too many for one picture"),
         (&["--periods", "2"], "from 16"),
-        (&["--set", "gamma=1.87"], "set gamma = 0 and k_w = 0"),
+        (&["--set", "k_w=0.01"], "set k_w = 0"),
+        (&["--at", "k_w=0,0.01"], "set k_w = 0"),
+        (&["--at", "gamma=0,1.87", "--scheme", "taylor"], "leave --scheme out"),
     ] {
         assert_refused(folder.path(), &[&["phase", "--out", "p"], args].concat(), reason);
+    }
+}
+
+/// The number of different states at drive phase 0, to three digits, of each value in the table.
+fn stroboscopic_states(rows: &[Vec<f64>], value: f64) -> usize {
+    let states = rows.iter().filter(|row| row[2] == value && row[6] == 1.0);
+    let rounded = states.map(|row| [row[4], row[5]].map(|state| (state * 1e3).round() as i64));
+    rounded.collect::<std::collections::BTreeSet<_>>().len()
+}
+
+#[test]
+fn phase_carries_heat() {
+    let folder = TempDir::new().unwrap();
+    // the paper's figure 5.1: a subharmonic and a periodic motion
+    let args = ["phase", "--preset", "paper", "--set", "k_w=0", "--at", "zeta_k=3.5,3.9"];
+    let short = ["--transient-periods", "150", "--periods", "16", "--json"];
+    let found = object(folder.path(), &[&args[..], &short].concat());
+    assert!(
+        found["orbits"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .all(|orbit| orbit["status"] == "ok")
+    );
+    let (_, rows) = table(&folder.path().join("outputs/phase.csv"));
+    assert_eq!(rows.iter().filter(|row| row[6] == 1.0).count(), 2 * 17);
+    assert_eq!(
+        (stroboscopic_states(&rows, 3.5), stroboscopic_states(&rows, 3.9)),
+        (2, 1)
+    );
+    assert_eq!(
+        (rows[0][3], rows[0][0]),
+        (0.0, 0.0),
+        "tau begins with what is shown, x0 is the preset's"
+    );
+
+    // the scheme is that of the values, whatever is set
+    let args = ["phase", "--set", "zeta_k=3.9", "--at", "gamma=0,1.87", "--out", "gamma"];
+    run(folder.path(), &[&args[..], &short].concat());
+    let svg = fs::read_to_string(folder.path().join("gamma.svg")).unwrap();
+    assert!(svg.contains("Radau"));
+}
+
+#[test]
+fn phase_tells_how_an_orbit_ended() {
+    let folder = TempDir::new().unwrap();
+    let stiff = "--set f_0=1000 --set epsilon_0=1e-3 --set omega_k=0 --at zeta_k=0.2";
+    for (args, ending) in [
+        (
+            format!("{stiff} --out t"),
+            "from (0.1, 0) at zeta_k = 0.2 is under-resolved (the motion is too stiff",
+        ),
+        (format!("{stiff} --out s --scheme radau"), ""),
+        // without the cubic spring the saddle repels for ever
+        (
+            "--set b=-1 --out r --scheme radau".to_owned(),
+            "from (0.1, 0) at zeta_k = 3.9 ran away at tau = ",
+        ),
+    ] {
+        let typed: Vec<&str> = args.split(' ').collect();
+        let output = tribochaos(folder.path(), &[&["phase"], &typed[..]].concat());
+        let stderr = text(&output.stderr);
+        assert!(output.status.success(), "{args}: {stderr}");
+        assert!(
+            stderr.contains(ending) && stderr.is_empty() == ending.is_empty(),
+            "{args}: {stderr}"
+        );
     }
 }
 
@@ -150,6 +219,29 @@ fn poincare_counts_its_states() {
     );
     assert_eq!(runaway.status.code(), Some(1));
     assert!(text(&runaway.stderr).contains("ran away"));
+}
+
+#[test]
+fn poincare_tells_a_window_beside_the_attractor_from_a_cycle() {
+    let folder = TempDir::new().unwrap();
+    let small = ["poincare", "--points", "2000", "--transient-periods", "200"];
+    for (args, missed, cycle) in [
+        (&["--window", "5:6,5:6", "--out", "beside"][..], true, false),
+        (&["--set", "zeta_k=3.5", "--out", "cycle"], false, true),
+        (
+            &["--set", "zeta_k=3.5", "--window", "5:6,5:6", "--out", "both"],
+            true,
+            true,
+        ),
+    ] {
+        let said = run(folder.path(), &[&small[..], args].concat());
+        assert_eq!(
+            said.contains("no state lies in the window: all lie within --window "),
+            missed,
+            "{said}"
+        );
+        assert_eq!(said.contains("those of a cycle"), cycle, "{said}");
+    }
 }
 
 #[test]
@@ -230,7 +322,7 @@ fn lyapunov_finds_the_onset_and_names_the_initial_state() {
         "--out",
         "w",
     ];
-    assert!(run(folder.path(), &worn).contains("not looked for"));
+    assert!(run(folder.path(), &worn).contains("not looked for (with wear all motion is transient"));
     for (args, reason) in [
         (&["--onset-spacing", "0"][..], "must be positive"),
         (
@@ -239,9 +331,124 @@ fn lyapunov_finds_the_onset_and_names_the_initial_state() {
         ),
         (&["--x", "y0=0:1:5"], "--start"),
         (&["--limits", "1:0"], "lower one first"),
+        (
+            &["--x", "zeta_k=3:5:21", "--onset-spacing", "1e-9"],
+            "--onset-spacing 1e-9 makes 100000000 values within a step 0.1",
+        ),
+        (
+            &["--x", "zeta_k=3:5:100000"],
+            "300000 exponents (100000 values from 3 initial states) are too many (at most 200000)",
+        ),
     ] {
         assert_refused(folder.path(), &[&["lyapunov", "--out", "l"], args].concat(), reason);
     }
+}
+
+#[test]
+fn lyapunov_confirms_the_onset_over_more_periods() {
+    let folder = TempDir::new().unwrap();
+    let args = ["lyapunov", "--x", "zeta_k=3.6:4:21"];
+    let said = run(folder.path(), &args);
+    assert!(
+        said.contains("onset: zeta_k = 3.8025") && said.contains("confirmed over 2000 periods: 0.0"),
+        "{said}"
+    );
+    let found = object(folder.path(), &[&args[..], &["--json"]].concat());
+    let onset = &found["onset"];
+    assert_eq!(
+        (&onset["confirmed"], &onset["confirmation"]["class"]),
+        (&true.into(), &"chaotic".into())
+    );
+    let error = |of: &Value| of["lyapunov_error"].as_f64().unwrap();
+    // the definition's own error is as large as its exponent
+    assert!(error(&onset["confirmation"]) < 0.25 * error(onset));
+    let svg = fs::read_to_string(folder.path().join("outputs/lyapunov.svg")).unwrap();
+    assert!(svg.contains("each from 3 initial states") && svg.contains("the one with the first onset"));
+}
+
+#[test]
+fn lyapunov_claims_nothing_of_points_that_were_not_measured() {
+    let folder = TempDir::new().unwrap();
+    // without the cubic spring the saddle repels for ever
+    let args = ["lyapunov", "--set", "b=-1", "--x", "zeta_k=3:4:3"];
+    let said = run(folder.path(), &args);
+    assert!(
+        said.contains("9 of 9 exponents were not measured, since their points are under-resolved")
+            && said.contains("--scheme radau")
+            && said.contains("onset: unknown, since nothing was measured"),
+        "{said}"
+    );
+    let (_, rows) = table(&folder.path().join("outputs/lyapunov.csv"));
+    assert!(rows.len() == 9 && rows.iter().all(|row| row[3..].iter().all(|value| value.is_nan())));
+    let found = object(folder.path(), &[&args[..], &["--json"]].concat());
+    assert_eq!(
+        (&found["onset"], &found["under_resolved"], &found["runaways"]),
+        (&"unknown".into(), &9.into(), &0.into())
+    );
+
+    let some = ["lyapunov", "--set", "zeta_k=1", "--x", "b=-1:1:3", "--out", "some"];
+    let said = run(folder.path(), &some);
+    assert!(
+        said.contains("none of the initial states leads to chaos where it was measured, which 6 of 9 points were not"),
+        "{said}"
+    );
+    let svg = fs::read_to_string(folder.path().join("some.svg")).unwrap();
+    assert!(svg.contains("Values without exponents: 1 ran away, 1 under-resolved"));
+}
+
+#[test]
+fn lyapunov_begins_where_a_preset_says() {
+    let folder = TempDir::new().unwrap();
+    let args = [
+        "lyapunov",
+        "--preset",
+        "paper",
+        "--x",
+        "zeta_k=3.5:3.9:2",
+        "--periods",
+        "16",
+    ];
+    let found = object(folder.path(), &[&args[..], &["--json"]].concat());
+    assert_eq!(found["starts"], serde_json::json!([[0.0, 0.0]]));
+    let (names, rows) = table(&folder.path().join("outputs/lyapunov.csv"));
+    // of finite time, without errors and classes
+    assert_eq!((names.as_str(), rows.len()), ("x0,y0,zeta_k,lambda_1,lambda_3", 2));
+    let svg = fs::read_to_string(folder.path().join("outputs/lyapunov.svg")).unwrap();
+    assert!(svg.contains("16 forcing periods from the start") && !svg.contains("standard errors"));
+    // --start goes over it
+    let typed = ["--start", "0.1,0", "--out", "typed", "--json"];
+    let found = object(folder.path(), &[&args[..], &typed].concat());
+    assert_eq!(found["starts"], serde_json::json!([[0.1, 0.0]]));
+    let help = text(&tribochaos(folder.path(), &["lyapunov", "--help"]).stdout);
+    assert!(
+        help.split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ")
+            .contains("else 0.1,0 and 1,0 and -1,0")
+    );
+}
+
+#[test]
+fn lyapunov_names_the_exponents_that_there_are() {
+    let folder = TempDir::new().unwrap();
+    let args = [
+        "lyapunov",
+        "--set",
+        "gamma=0.002",
+        "--x",
+        "zeta_k=3.5:3.6:2",
+        "--start",
+        "0.1,0",
+    ];
+    run(
+        folder.path(),
+        &[&args[..], &["--transient-periods", "30", "--periods", "16"]].concat(),
+    );
+    let (names, rows) = table(&folder.path().join("outputs/lyapunov.csv"));
+    assert_eq!(names, "x0,y0,zeta_k,lambda_1,lambda_1_error,lambda_3,class");
+    assert!(rows.iter().flatten().all(|value| value.is_finite()));
+    let svg = fs::read_to_string(folder.path().join("outputs/lyapunov.svg")).unwrap();
+    assert!(svg.contains("λ₁ (band: ± 2 standard errors)") && !svg.contains("λ₂"));
 }
 
 #[test]

@@ -90,6 +90,23 @@ fn without_heat_and_wear_the_pressure_is_1() {
 }
 
 #[test]
+fn the_length_of_a_transient_is_no_matter_of_a_history() {
+    let folder = TempDir::new().unwrap();
+    let hot = [
+        "--preset",
+        "paper",
+        "--set",
+        "k_w=0",
+        "--set",
+        "zeta_k=3.5",
+        "--periods",
+        "2",
+    ];
+    let (_, warned) = run(folder.path(), &hot);
+    assert_eq!(warned, "");
+}
+
+#[test]
 fn a_run_that_is_given_up_shows_what_there_is() {
     let folder = TempDir::new().unwrap();
     // without the cubic spring the saddle repels for ever

@@ -465,7 +465,7 @@ fn bad_machines_are_refused_with_a_reason_before_any_work() {
             "length belongs to whole parts",
         ),
         (&["lyapunov", "--machine", m], "zeta_k follows from the machine"),
-        (&["phase", "--machine", m], "wear_energy_share = 1"),
+        (&["phase", "--machine", m], "wear_coefficient = 0"),
         (&["phase", "--machine", m, "--at", "spring_length=0.02,0.04"], "k* = -"),
         (&["melnikov", "--machine", m], "gamma"),
         (

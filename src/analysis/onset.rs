@@ -11,9 +11,15 @@
 use super::exponents::{Line, lines};
 use crate::backend::BackendError;
 use crate::experiment::{Scheme, Settings};
-use crate::grid::{Axis, Fixed, Grid};
+use crate::grid::{Axis, Coordinate, Fixed, Grid};
 use crate::measurement::{Class, Measurement};
 use crate::sweep::{Backends, Observer};
+
+/// The most values of the fine grid that a bracket is scanned at: more take hours.
+pub const MOST_VALUES: usize = 100_000;
+
+/// Forcing periods over which an onset is confirmed.
+pub const CONFIRMING_PERIODS: u32 = 2000;
 
 /// What counts as chaos at the onset, and how finely the bracket is scanned.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,7 +93,7 @@ pub enum Onset {
 /// broke it off.
 ///
 /// # Errors
-/// If the backend fails and no fall-back is left.
+/// If a bracket has more than [`MOST_VALUES`], or the backend fails and no fall-back is left.
 pub fn onset(
     backends: &mut Backends,
     definition: &Definition,
@@ -100,6 +106,15 @@ pub fn onset(
         let Some(low) = bracket.low else {
             return Ok(Some(Onset::BelowAxis));
         };
+        let values = ((bracket.high - low) / definition.spacing).round();
+        if values > MOST_VALUES as f64 {
+            // in f32, whose digits show no rounding errors
+            return Err(BackendError::Unsupported(format!(
+                "the onset lies between {} and {}, where a spacing of {:e} makes {values} values (at most {MOST_VALUES}): give a \
+                 greater spacing, or a finer axis between the two",
+                low as f32, bracket.high as f32, definition.spacing
+            )));
+        }
         let fine = fine_axis(&coarse[0].axis, low, bracket.high, definition.spacing);
         match scan(backends, definition, at, &fine, &starts, observer)? {
             None => return Ok(None),
@@ -108,6 +123,32 @@ pub fn onset(
         }
     }
     Ok(Some(Onset::Never))
+}
+
+/// Measures again where the onset was found, over [`CONFIRMING_PERIODS`]: the definition's 100 periods leave an error as
+/// large as the exponent, and chaos that ends within some hundreds passes for one that lasts. None if the observer broke
+/// it off.
+///
+/// # Errors
+/// If the backend fails and no fall-back is left.
+pub fn confirm(
+    backends: &mut Backends,
+    definition: &Definition,
+    at: &Fixed,
+    coordinate: Coordinate,
+    found: &Found,
+    observer: &mut Observer<'_>,
+) -> Result<Option<Measurement>, BackendError> {
+    let settings = Settings {
+        periods: CONFIRMING_PERIODS,
+        ..definition.settings.clone()
+    };
+    let grid = Grid {
+        axes: Vec::new(),
+        fixed: at.at([(coordinate, found.value)]).from_state(found.start),
+    };
+    let measured = backends.measure(&grid, &settings, &[0], observer)?;
+    Ok(measured.map(|measured| measured[0]))
 }
 
 /// The first value of a rising axis, whose step is the definition's spacing, at which one of the initial states leads to
@@ -194,4 +235,46 @@ fn first_chaos(definition: &Definition, axis: &Axis, lines: &[Line]) -> Option<F
             error: measurement.lyapunov_error,
         })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use super::*;
+    use crate::backend::cpu::CpuBackend;
+    use crate::experiment::Precision;
+    use crate::measurement::{BackendKind, Status};
+    use crate::parameters::ParameterSet;
+
+    #[test]
+    fn a_bracket_of_too_many_values_is_refused() {
+        let of = |class, lyapunov| Measurement {
+            status: Status::Ok,
+            class,
+            lyapunov,
+            ..Measurement::runaway(0.0, BackendKind::CpuF64)
+        };
+        let at: Fixed = ParameterSet::default().into();
+        // what is undecided between the two widens the bracket beyond a step of the axis
+        let line = Line {
+            axis: Axis::parse("zeta_k=3:4:3").unwrap(),
+            fixed: at,
+            start: [0.1, 0.0],
+            measurements: vec![
+                of(Some(Class::Regular), -0.1),
+                of(None, f64::NAN),
+                of(Some(Class::Chaotic), 0.1),
+            ],
+        };
+        let definition = Definition::new(0.6e-5, &Settings::default());
+        let mut backends = Backends::new(Box::new(CpuBackend::new(Precision::F64)), None);
+        let observer = &mut |_: crate::sweep::Event<'_>| ControlFlow::Continue(());
+        let refused = onset(&mut backends, &definition, &at, &[line], observer).unwrap_err();
+        let message = refused.to_string();
+        assert!(
+            message.contains("between 3 and 4, where a spacing of 6e-6 makes 166667 values"),
+            "{message}"
+        );
+    }
 }

@@ -89,15 +89,17 @@ mod tests {
 
     #[test]
     fn stroboscopic_states_are_those_of_the_path() {
-        for scheme in [Scheme::Taylor, Scheme::Rk4] {
-            assert_agreement(&Settings {
+        // radau's steps end at a path's points, and err otherwise than those between them
+        for (scheme, bound) in [(Scheme::Taylor, 1e-6), (Scheme::Rk4, 1e-6), (Scheme::Radau, 1e-3)] {
+            let settings = Settings {
                 scheme: Some(scheme),
                 ..settings(5, 16)
-            });
+            };
+            assert_agreement(&settings, bound);
         }
     }
 
-    fn assert_agreement(settings: &Settings) {
+    fn assert_agreement(settings: &Settings, bound: f64) {
         let instances: Vec<ParameterSet> = (0..70)
             .map(|k| ParameterSet::default().with(Parameter::ZetaK, 0.05 * f64::from(k)))
             .collect();
@@ -113,11 +115,11 @@ mod tests {
         .unwrap();
         assert_eq!(ends.len(), instances.len());
         for (instance, states) in instances.iter().zip(&states) {
-            let path = path(instance, settings, 100);
+            let path = path(instance, settings, 100).points;
             let strobes: Vec<&PathPoint> = path.iter().filter(|point| point.is_stroboscopic).collect();
             assert_eq!((strobes.len(), states.len()), (17, 16));
             for (strobe, [x, y]) in strobes[1..].iter().zip(states) {
-                assert!((strobe.x - x).abs() < 1e-6 && (strobe.y - y).abs() < 1e-6);
+                assert!((strobe.x - x).abs() < bound && (strobe.y - y).abs() < bound);
             }
             let period = instance.forcing_period();
             assert!((path.last().unwrap().tau - 16.0 * period).abs() < 1e-9);
@@ -142,7 +144,7 @@ mod tests {
         .unwrap();
         assert_eq!(counts, [0, 20]);
         assert!(!is_bounded(&ends[0]) && is_bounded(&ends[1]));
-        assert!(path(&runaway, &settings(0, 20), 10).len() < 20 * 10);
+        assert!(path(&runaway, &settings(0, 20), 10).points.len() < 20 * 10);
     }
 
     #[test]

@@ -1,13 +1,14 @@
-//! The path of one orbit of the reduced model (contact pressure p = 1).
+//! The path of one orbit.
 //!
 //! Owns the sampling of a scheme's steps; the steps are [`crate::dynamics`]'. A scheme that is added gets a branch here.
 
 use crate::dynamics::drive::DriveTable;
+use crate::dynamics::history::{History, history};
 use crate::dynamics::rk4::{self, StageSpeeds, StepSize};
 use crate::dynamics::taylor::series::UNITS_PER_PERIOD;
 use crate::dynamics::taylor::{self, COEFFICIENTS, Flow, MAX_PASSES, TICKS_PER_PERIOD};
 use crate::experiment::{Scheme, Settings};
-use crate::measurement::RUNAWAY_BOUND;
+use crate::measurement::{RUNAWAY_BOUND, Status};
 use crate::model::motion::Motion;
 use crate::parameters::{Parameter, ParameterSet};
 
@@ -22,16 +23,78 @@ pub struct PathPoint {
     pub is_stroboscopic: bool,
 }
 
+/// What an orbit has come along.
+#[derive(Clone, Debug)]
+pub struct Path {
+    pub points: Vec<PathPoint>,
+    /// Where the orbit ran away, or the scheme gave it up, the path ends.
+    pub status: Status,
+}
+
 /// The path of one orbit in f64 over `settings.periods` forcing periods after `settings.transient_periods`, with
-/// `points_per_period` points evenly in each period (of rk4, no more than it has steps), and one at the end. Where the orbit
-/// runs away or the scheme gives it up, the path ends. Frictional heat and wear are left aside: the pressure is 1, for which
-/// radau's path is that of taylor.
-pub fn path(parameters: &ParameterSet, settings: &Settings, points_per_period: u32) -> Vec<PathPoint> {
-    let mut walker: Box<dyn Walker> = match settings.scheme() {
-        Scheme::Rk4 => Box::new(FixedSteps::new(parameters, settings.steps_per_period())),
-        Scheme::Taylor => Box::new(TaylorSteps::new(parameters, settings.steps_per_period())),
-        Scheme::Radau => Box::new(TaylorSteps::new(parameters, Scheme::Taylor.default_steps_per_period())),
-    };
+/// `points_per_period` points evenly in each period (of rk4, no more than it has steps), and one at the end. Radau carries
+/// frictional heat and wear; by the other schemes the pressure is 1.
+pub fn path(parameters: &ParameterSet, settings: &Settings, points_per_period: u32) -> Path {
+    let steps = settings.steps_per_period();
+    match settings.scheme() {
+        Scheme::Rk4 => walk(
+            FixedSteps::new(parameters, steps),
+            parameters,
+            settings,
+            points_per_period,
+        ),
+        Scheme::Taylor => walk(
+            TaylorSteps::new(parameters, steps),
+            parameters,
+            settings,
+            points_per_period,
+        ),
+        Scheme::Radau => follow(parameters, settings, points_per_period),
+    }
+}
+
+/// How a run ended.
+pub fn ended(history: &History) -> Status {
+    match history.samples.last() {
+        Some(last) if history.pressure_ran_away || has_run_away([last.x, last.y]) => Status::Runaway { time: last.tau },
+        _ if history.given_up => Status::UnderResolved,
+        _ => Status::Ok,
+    }
+}
+
+fn has_run_away([x, y]: [f64; 2]) -> bool {
+    // false for NaN too
+    let is_bounded = x.abs() + y.abs() < RUNAWAY_BOUND;
+    !is_bounded
+}
+
+/// The path with frictional heat and wear.
+fn follow(parameters: &ParameterSet, settings: &Settings, points_per_period: u32) -> Path {
+    let shown = settings.transient_periods..settings.transient_periods + settings.periods;
+    let step = parameters.forcing_period() / f64::from(points_per_period);
+    let begin = f64::from(shown.start) * parameters.forcing_period();
+    let history = history(parameters, settings, shown, points_per_period);
+    // an orbit that was given up in the transient has left one sample, from before its end
+    let samples = history
+        .samples
+        .iter()
+        .skip_while(|sample| sample.tau < begin - 0.5 * step);
+    Path {
+        points: samples
+            .enumerate()
+            .map(|(index, sample)| PathPoint {
+                tau: sample.tau - begin,
+                x: sample.x,
+                y: sample.y,
+                is_stroboscopic: index % points_per_period as usize == 0,
+            })
+            .collect(),
+        status: ended(&history),
+    }
+}
+
+/// The path at constant contact pressure.
+fn walk(mut walker: impl Walker, parameters: &ParameterSet, settings: &Settings, points_per_period: u32) -> Path {
     let forcing_period = parameters.forcing_period();
     let mut points = Vec::new();
     for period in 0..settings.transient_periods + settings.periods {
@@ -46,12 +109,15 @@ pub fn path(parameters: &ParameterSet, settings: &Settings, points_per_period: u
                 });
             }
         });
-        let [x, y] = walker.state();
-        // false for NaN too
-        let is_bounded = x.abs() + y.abs() < RUNAWAY_BOUND;
-        if !(is_whole && is_bounded) {
-            return points;
-        }
+        let status = if has_run_away(walker.state()) {
+            let time = f64::from(period + 1) * forcing_period;
+            Status::Runaway { time }
+        } else if is_whole {
+            continue;
+        } else {
+            Status::UnderResolved
+        };
+        return Path { points, status };
     }
     let [x, y] = walker.state();
     points.push(PathPoint {
@@ -60,7 +126,8 @@ pub fn path(parameters: &ParameterSet, settings: &Settings, points_per_period: u
         y,
         is_stroboscopic: true,
     });
-    points
+    let status = Status::Ok;
+    Path { points, status }
 }
 
 /// Carries one orbit on, showing states on the way.

@@ -166,13 +166,10 @@ impl Growth {
             chaotic_fraction: 0.0,
             ..self.lasting_measurement(ended, growth / interval)
         };
-        Measurement {
-            status: if state.under_resolved || !measurement.lyapunov.is_finite() {
-                Status::UnderResolved
-            } else {
-                Status::Ok
-            },
-            ..measurement
+        if state.under_resolved || !measurement.lyapunov.is_finite() {
+            unresolved(&measurement)
+        } else {
+            measurement
         }
     }
 }
@@ -182,7 +179,7 @@ pub(super) fn is_resolved(measurement: &Measurement) -> bool {
     measurement.divergence_defect().abs() <= DEFECT_BOUND * (1.0 + measurement.divergence.abs())
 }
 
-/// The measurement of a lasting motion, as under-resolved if it is, or if a number of it is none.
+/// The measurement of a lasting motion, or that of an under-resolved one if it is not resolved, or if a number of it is none.
 pub(super) fn checked(measurement: Measurement, resolved: bool) -> Measurement {
     let finite = [
         measurement.lyapunov,
@@ -192,14 +189,20 @@ pub(super) fn checked(measurement: Measurement, resolved: bool) -> Measurement {
     .iter()
     .all(|value| value.is_finite());
     if resolved && finite {
-        return measurement;
+        measurement
+    } else {
+        unresolved(&measurement)
     }
+}
+
+/// Of an under-resolved point only what its contact came to is told: the sums of an instance that was given up stand still,
+/// and would pass for exponents of 0.
+fn unresolved(measurement: &Measurement) -> Measurement {
     Measurement {
-        status: Status::UnderResolved,
-        class: None,
-        period: None,
-        chaotic_fraction: 0.0,
-        ..measurement
+        contact: measurement.contact,
+        initial_state: measurement.initial_state,
+        integrated_periods: measurement.integrated_periods,
+        ..Measurement::unmeasured(Status::UnderResolved, measurement.backend)
     }
 }
 

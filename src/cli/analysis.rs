@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{anyhow, bail};
 use clap::Args;
 use serde_json::{Map, Value, json};
-use tribochaos::experiment::{BackendChoice, Experiment, Request};
+use tribochaos::experiment::{BackendChoice, Experiment, Preset, Request};
 use tribochaos::grid::{Axis, Coordinate, Fixed};
 use tribochaos::output::figure::Figure;
-use tribochaos::output::{PROGRAM, drawing, table};
+use tribochaos::output::{PROGRAM, charts, drawing, table};
 use tribochaos::parameters::{PARAMETERS, Parameter, ParameterSet};
 use tribochaos::sweep::choice::{self, Choice};
 use tribochaos::sweep::initial_states;
@@ -69,12 +69,29 @@ impl StartArgs {
     }
 }
 
-pub fn sets_initial_state(args: &ExperimentArgs) -> bool {
+/// Whether the initial state was typed, or is that of a preset.
+pub fn gives_initial_state(args: &ExperimentArgs) -> bool {
+    let preset = args.preset.map_or(&[][..], Preset::values);
+    sets_initial_state(args) || preset.iter().any(|&(parameter, _)| is_initial(parameter.into()))
+}
+
+fn sets_initial_state(args: &ExperimentArgs) -> bool {
     args.subject.set.iter().any(|&(coordinate, _)| is_initial(coordinate))
 }
 
 fn is_initial(coordinate: Coordinate) -> bool {
     [Parameter::X0.into(), Parameter::Y0.into()].contains(&coordinate)
+}
+
+/// Initial states as captions name them, the first few of many.
+pub fn starts_in_words(starts: &[[f64; 2]]) -> String {
+    const NAMED: usize = 6;
+    let named: Vec<String> = starts.iter().take(NAMED).map(|&start| charts::start(start)).collect();
+    let named = named.join(", ");
+    match starts.len().saturating_sub(NAMED) {
+        0 => named,
+        more => format!("{named} and {more} more"),
+    }
 }
 
 /// The experiment over an axis, or at one point; `defaults` come before what was typed. The CPU is taken unless a GPU is
@@ -108,17 +125,12 @@ pub fn experiment(args: &ExperimentArgs, axis: Option<Axis>, defaults: Request) 
     Ok(experiment)
 }
 
-/// Whether the contact wears somewhere: all motion there is transient.
-pub fn wears(experiment: &Experiment) -> bool {
-    experiment.extent(Parameter::KW).1 > 0.0
-}
-
 /// # Errors
 /// If the contact wears: there is no attractor whose states could be shown.
-pub fn check_lasting(experiment: &Experiment) -> Result<(), Failure> {
-    if wears(experiment) {
+pub fn check_lasting(wears: bool) -> Result<(), Failure> {
+    if wears {
         return Err(Failure::Input(anyhow!(
-            "with wear all motion is transient, and has no attractor to draw: set k_w = 0"
+            "with wear all motion is transient, and has no attractor to draw: set k_w = 0 (of a machine, wear_coefficient = 0)"
         )));
     }
     Ok(())

@@ -85,7 +85,7 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
         )));
     }
     let columns = args.follow.unwrap_or(Columns::Fresh);
-    analysis::check_lasting(&experiment)?;
+    analysis::check_lasting(experiment.wears())?;
     if columns != Columns::Fresh && experiment.is_rubbed() {
         return Err(Failure::Input(anyhow::anyhow!(
             "--follow carries the angle and the speed of the bush from column to column, not the heat of the shaft: leave \
@@ -126,21 +126,15 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
 
     let panel = charts::bifurcation("", &diagram, args.show, args.limits, SINGLE);
     let outside = charts::outside(&panel);
-    let from: Vec<String> = starts.iter().take(6).map(|&start| charts::start(start)).collect();
-    let more = if starts.len() > 6 {
-        format!(" and {} more", starts.len() - 6)
-    } else {
-        String::new()
-    };
     let manner = match columns {
         Columns::Fresh => "each value from",
         Columns::FollowUp => "followed upward from",
         Columns::FollowDown => "followed downward from",
     };
     let mut numerics = format!(
-        "{} values, {manner} (x, y) = {}{more}; {} states each after {} forcing periods. {}. ",
+        "{} values, {manner} (x, y) = {}; {} states each after {} forcing periods. {}. ",
         axis.count,
-        from.join(", "),
+        analysis::starts_in_words(&starts),
         settings.periods,
         settings.transient_periods,
         caption::scheme(settings)

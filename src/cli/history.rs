@@ -3,11 +3,12 @@
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::{Value, json};
+use tribochaos::analysis::path::ended;
 use tribochaos::dynamics::history::{History, Sample, history};
 use tribochaos::experiment::{BackendChoice, Experiment, Precision, Request, Scheme};
 use tribochaos::grid::Fixed;
 use tribochaos::machine::{Machine, Scale};
-use tribochaos::measurement::{Contact, RUNAWAY_BOUND, Status};
+use tribochaos::measurement::{Contact, Status};
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, histories};
 use tribochaos::parameters::Parameter;
@@ -67,9 +68,10 @@ pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
     let recipe = analysis::recipe("history", &experiment, options);
     let mut files = Files::claim(&args.out, "outputs/history", &[""], recipe)?;
 
-    let history = history(at.parameters(), &experiment.settings, periods, args.samples);
+    let history = history(at.parameters(), &experiment.settings, 0..periods, args.samples);
     let last = history.samples.last().expect("the first sample is the initial state");
-    let (status, reason) = ending(&history);
+    let status = ended(&history);
+    let reason = reason(&history);
     if history.given_up {
         eprintln!(
             "warning: given up after tau = {:.4}, where what is shown ends: {reason}",
@@ -146,7 +148,7 @@ pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
         let mut object = object(&experiment, periods, last, status, &contact);
         if scales.is_some() {
             object["si"] = si::contact(&at, &contact);
-            let warnings = experiment.warnings().into_iter().chain(beyond);
+            let warnings = experiment.machine_warnings().into_iter().chain(beyond);
             object["warnings"] = warnings.collect();
         }
         files.report(Some(analysis::with_machine(object, &experiment)));
@@ -193,27 +195,19 @@ fn experiment(args: &HistoryArgs) -> Result<(Experiment, u32), Failure> {
     // measurements need more periods than a history, which has its own number of them
     settings.periods = Request::default().settings.periods;
     let experiment = request.resolve_point().map_err(Failure::input)?;
-    for warning in experiment.warnings() {
+    // none of the transient's length: a history shows the transient
+    for warning in experiment.machine_warnings() {
         eprintln!("warning: {warning}");
     }
     Ok((experiment, periods))
 }
 
-/// How the run ended, and why if it did so before its time.
-fn ending(history: &History) -> (Status, &'static str) {
-    let Some(last) = history.samples.last().filter(|_| history.given_up) else {
-        return (Status::Ok, "");
-    };
-    let runaway = Status::Runaway { time: last.tau };
-    if history.pressure_ran_away {
-        (runaway, "the contact pressure ran away")
-    } else if last.x.abs() + last.y.abs() >= RUNAWAY_BOUND {
-        (runaway, "the motion ran away")
-    } else {
-        (
-            Status::UnderResolved,
-            "the next sample needs more or shorter steps than there may be",
-        )
+/// Why a run ended before its time.
+fn reason(history: &History) -> &'static str {
+    match ended(history) {
+        Status::Runaway { .. } if history.pressure_ran_away => "the contact pressure ran away",
+        Status::Runaway { .. } => "the motion ran away",
+        Status::Ok | Status::UnderResolved => "the next sample needs more or shorter steps than there may be",
     }
 }
 
@@ -233,7 +227,7 @@ fn words(experiment: &Experiment, args: &HistoryArgs, periods: u32, history: &Hi
         None => "Constant contact pressure. ",
     };
     let ended = match history.samples.last().filter(|_| history.given_up) {
-        Some(last) => format!("Given up after τ = {:.4}: {}. ", last.tau, ending(history).1),
+        Some(last) => format!("Given up after τ = {:.4}: {}. ", last.tau, reason(history)),
         None => String::new(),
     };
     vec![

@@ -5,9 +5,10 @@ use std::time::Instant;
 use clap::Args;
 use serde_json::{Value, json};
 use tribochaos::analysis::exponents::{Line, lines};
-use tribochaos::analysis::onset::{Definition, Found, Onset, onset};
+use tribochaos::analysis::onset::{self, CONFIRMING_PERIODS, Definition, Found, MOST_VALUES, Onset};
 use tribochaos::experiment::{Experiment, Request, Settings};
 use tribochaos::grid::{Axis, Coordinate};
+use tribochaos::measurement::{Class, Measurement, Status};
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts};
 use tribochaos::parameters::Parameter;
@@ -20,9 +21,11 @@ use super::{Failure, report};
 
 /// The onset is the least value, on a fine grid within the bracket of the first upward change, with an exponent above 0.005
 /// over 100 periods after 380, on motion that is neither regular nor quasi-periodic; the friction layer is resolved there
-/// (rk4 takes at least 4000 steps a period). Without x0, y0 and --start, three initial states are tried: (0.1, 0), (1, 0) and (-1, 0).
+/// (rk4 takes at least 4000 steps a period). It is measured again over 2000 periods. Without an initial state by --start, --set
+/// or --preset, three are tried: (0.1, 0), (1, 0) and (-1, 0).
 #[derive(Args)]
 #[command(after_help = request::help())]
+#[command(mut_arg("start", |start| start.help(START_HELP)))]
 pub struct LyapunovArgs {
     /// The parameter and its values, ends included [default: zeta_k=0:12:601]
     #[arg(long, value_name = "NAME=START:STOP:COUNT", value_parser = request::axis)]
@@ -45,6 +48,12 @@ pub struct LyapunovArgs {
     out: OutArgs,
 }
 
+const START_HELP: &str = "Initial state, x and y; may be repeated [default: that of x0 and y0 if one is set or the preset's, \
+                          else 0.1,0 and 1,0 and -1,0]";
+
+/// More exponents make a table and a picture that nobody opens.
+const MOST_EXPONENTS: usize = 200_000;
+
 /// The grid by which the model's page defines the onset in zeta_k.
 const ZETA_K_SPACING: f64 = 0.0025;
 
@@ -63,6 +72,16 @@ impl LyapunovArgs {
                 "--onset-spacing {spacing} is out of range: it must be positive, and no more than the axis' step {step}"
             )));
         }
+        // a bracket has at least one step of the axis
+        let values = (step / spacing).round();
+        if values > MOST_VALUES as f64 {
+            return Err(Failure::Input(anyhow::anyhow!(
+                "--onset-spacing {spacing:e} makes {values} values within a step {} of the axis, from each initial state (at most \
+                 {MOST_VALUES}): use {:e} or more, or an axis with more values",
+                charts::rounded(step),
+                charts::rounded(step / MOST_VALUES as f64)
+            )));
+        }
         Ok(spacing)
     }
 }
@@ -76,13 +95,22 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
     });
     let experiment = analysis::experiment(&args.experiment, Some(axis), Request::default())?;
     let named = !args.start.start.is_empty()
-        || analysis::sets_initial_state(&args.experiment)
+        || analysis::gives_initial_state(&args.experiment)
         || args.experiment.initial_states.is_some();
     let starts = if named {
         args.start.resolve(&args.experiment, &experiment)?
     } else {
         vec![[0.1, 0.0], [1.0, 0.0], [-1.0, 0.0]]
     };
+    let exponents = axis.count * starts.len();
+    if exponents > MOST_EXPONENTS {
+        return Err(Failure::Input(anyhow::anyhow!(
+            "{exponents} exponents ({} values from {} initial states) are too many (at most {MOST_EXPONENTS}): use fewer values or \
+             initial states, or `tribochaos map`",
+            axis.count,
+            starts.len()
+        )));
+    }
     // initial states are told apart here, not combined
     let settings = Settings {
         initial_states: 1,
@@ -108,43 +136,92 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
     progress::catch_interrupt();
     let started = Instant::now();
     let at = &experiment.grid.fixed;
-    let bar = Progress::new(
-        sweep::instance_periods(&settings, axis.count * starts.len()),
-        axis.count * starts.len(),
-    );
+    let bar = Progress::new(sweep::instance_periods(&settings, exponents), exponents);
     let interrupted = || Failure::Interrupted("nothing is drawn".into());
     let backends = &mut choice.backends;
     let lines = lines(backends, &settings, at, &axis, &starts, &mut |event| bar.hear(event))
         .map_err(Failure::backend)?
         .ok_or_else(interrupted)?;
     drop(bar);
-    // with wear exponents are of finite time, and motion has no class
-    let onset = if args.no_onset || analysis::wears(&experiment) {
-        None
+    let observer = &mut |_: sweep::Event<'_>| progress::until_interrupted();
+    let onset = if args.no_onset {
+        Search::Left("--no-onset".to_owned())
+    } else if experiment.wears() {
+        Search::Left("with wear all motion is transient, and its exponents of finite time tell no chaos".to_owned())
     } else {
-        let observer = &mut |_: sweep::Event<'_>| progress::until_interrupted();
-        let found = onset(backends, &definition, at, &lines, observer).map_err(Failure::backend)?;
-        Some(found.ok_or_else(interrupted)?)
+        let onset = onset::onset(backends, &definition, at, &lines, observer).map_err(Failure::backend)?;
+        match onset.ok_or_else(interrupted)? {
+            Onset::Found(found) => {
+                let again = onset::confirm(backends, &definition, at, axis.coordinate, &found, observer)
+                    .map_err(Failure::backend)?
+                    .ok_or_else(interrupted)?;
+                Search::Found(found, Box::new(again))
+            }
+            Onset::BelowAxis => Search::BelowAxis,
+            Onset::Never => Search::Never,
+        }
     };
     let found = match &onset {
-        Some(Onset::Found(found)) => Some(found),
+        Search::Found(found, _) => Some(found),
         _ => None,
     };
-    let line = shown(&lines, found);
-    draw(&mut files, args, &settings, line, found)?;
+    let gaps = Gaps::of(&lines);
+    draw(&mut files, args, &experiment, &lines, found)?;
     table(&mut files, &experiment, &lines)?;
     if args.out.json {
-        files.report(Some(object(&experiment, &starts, onset.as_ref())));
+        files.report(Some(object(&experiment, &starts, &onset, &gaps)));
         return Ok(());
     }
-    say!(
-        "{} exponents in {}",
-        axis.count * starts.len(),
-        report::duration(started.elapsed())
-    );
-    say!("{}", words(onset.as_ref(), &experiment, &definition));
+    say!("{exponents} exponents in {}", report::duration(started.elapsed()));
+    if gaps.under_resolved > 0 {
+        say!(
+            "status: {} of {exponents} exponents were not measured, since their points are under-resolved: {}",
+            gaps.under_resolved,
+            report::remedy(&settings)
+        );
+    }
+    if gaps.ran_away > 0 {
+        say!(
+            "status: {} of {exponents} exponents were not measured, since the motion ran away",
+            gaps.ran_away
+        );
+    }
+    say!("{}", words(&onset, &experiment, &definition, gaps.all(), exponents));
     files.report(None);
     Ok(())
+}
+
+/// What came of the search for the onset.
+enum Search {
+    /// It was left out, for this reason.
+    Left(String),
+    /// With a longer measurement there.
+    Found(Found, Box<Measurement>),
+    BelowAxis,
+    Never,
+}
+
+/// Points without exponents.
+struct Gaps {
+    ran_away: usize,
+    under_resolved: usize,
+}
+
+impl Gaps {
+    fn of(lines: &[Line]) -> Self {
+        let count = |matches: fn(Status) -> bool| {
+            let measurements = lines.iter().flat_map(|line| &line.measurements);
+            measurements.filter(|m| matches(m.status)).count()
+        };
+        Self {
+            ran_away: count(|status| matches!(status, Status::Runaway { .. })),
+            under_resolved: count(|status| status == Status::UnderResolved),
+        }
+    }
+
+    fn all(&self) -> usize {
+        self.ran_away + self.under_resolved
+    }
 }
 
 /// The line that is drawn: the one that chaos is reached on first.
@@ -156,20 +233,56 @@ fn shown<'a>(lines: &'a [Line], found: Option<&Found>) -> &'a Line {
 fn draw(
     files: &mut Files,
     args: &LyapunovArgs,
-    settings: &Settings,
-    line: &Line,
+    experiment: &Experiment,
+    lines: &[Line],
     found: Option<&Found>,
 ) -> Result<(), Failure> {
+    let line = shown(lines, found);
+    let settings = &experiment.settings;
     let panel = charts::exponents("", line, found, args.limits);
     let shown = [line.axis.coordinate, Parameter::X0.into(), Parameter::Y0.into()];
+    let from = charts::start(line.start);
+    let from = if lines.len() == 1 {
+        format!("each from (x, y) = {from}")
+    } else {
+        let starts: Vec<[f64; 2]> = lines.iter().map(|line| line.start).collect();
+        format!(
+            "each from {} initial states, (x, y) = {}; drawn is {}, {from}",
+            starts.len(),
+            analysis::starts_in_words(&starts),
+            if found.is_some() {
+                "the one with the first onset"
+            } else {
+                "the first of them"
+            }
+        )
+    };
+    let run = if experiment.wears() {
+        format!(
+            "exponents of finite time where the contact wears, over {} forcing periods from the start or until contact is lost",
+            settings.periods
+        )
+    } else {
+        format!(
+            "{} measured forcing periods after {}",
+            settings.periods, settings.transient_periods
+        )
+    };
+    let gaps = match Gaps::of(std::slice::from_ref(line)) {
+        Gaps {
+            ran_away: 0,
+            under_resolved: 0,
+        } => String::new(),
+        Gaps {
+            ran_away,
+            under_resolved,
+        } => format!("Values without exponents: {ran_away} ran away, {under_resolved} under-resolved. "),
+    };
     let caption = vec![
         caption::fixed(&line.fixed, &shown),
         format!(
-            "{} values, each from (x, y) = {}; {} measured forcing periods after {}. {}. {PROGRAM}.",
+            "{} values, {from}; {run}. {gaps}{}. {PROGRAM}.",
             line.axis.count,
-            charts::start(line.start),
-            settings.periods,
-            settings.transient_periods,
             caption::scheme(settings)
         ),
     ];
@@ -179,60 +292,75 @@ fn draw(
 
 fn table(files: &mut Files, experiment: &Experiment, lines: &[Line]) -> Result<(), Failure> {
     let axis = &experiment.grid.axes[0];
+    // heat has more exponents than two, of which one is measured
+    let has_second = !experiment.settings.scheme().carries_heat();
+    // with wear all over the axis there are exponents of finite time alone
+    let lasts = experiment.extent(Parameter::KW).0 == 0.0;
+    let columns: Vec<(&str, Column)> = [
+        ("lambda_1", true, (|m| m.lyapunov) as Column),
+        ("lambda_1_error", lasts, |m| m.lyapunov_error),
+        ("lambda_2", has_second, |m| m.lyapunov_second),
+        ("lambda_2_error", has_second, |m| m.lyapunov_second_error),
+        (
+            "lambda_3",
+            true,
+            |m| if m.status == Status::Ok { 0.0 } else { f64::NAN },
+        ),
+        ("divergence", has_second, |m| m.divergence),
+        ("class", lasts, |m| {
+            m.class.map_or(f64::NAN, |class| f64::from(class as u8))
+        }),
+    ]
+    .into_iter()
+    .filter_map(|(name, is_there, value)| is_there.then_some((name, value)))
+    .collect();
     let rows = lines.iter().flat_map(|line| {
         line.measurements.iter().enumerate().map(|(index, m)| {
-            [
-                line.start[0],
-                line.start[1],
-                axis.value(index),
-                m.lyapunov,
-                m.lyapunov_error,
-                m.lyapunov_second,
-                m.lyapunov_second_error,
-                0.0,
-                m.divergence,
-                m.class.map_or(f64::NAN, |class| f64::from(class as u8)),
-            ]
+            let at = [line.start[0], line.start[1], axis.value(index)];
+            let measured = columns.iter().map(|(_, value)| value(m));
+            at.into_iter().chain(measured).collect::<Vec<f64>>()
         })
     });
-    let notes = [
-        analysis::unit_note(
-            experiment,
-            &[axis.coordinate],
-            "exponents per unit of tau; errors are standard errors; lambda_3 is the trivial exponent along the flow",
-        ),
-        "class: 0 chaotic, 1 regular, 2 quasi-periodic, 3 undecided; empty: ran away or under-resolved".to_owned(),
-    ];
-    let columns = [
-        "x0",
-        "y0",
-        axis.coordinate.name(),
-        "lambda_1",
-        "lambda_1_error",
-        "lambda_2",
-        "lambda_2_error",
-        "lambda_3",
-        "divergence",
-        "class",
-    ];
-    files.table("", &notes, columns, rows)
+    let mut notes = vec![analysis::unit_note(
+        experiment,
+        &[axis.coordinate],
+        "exponents per unit of tau, empty where the motion ran away or is under-resolved; errors are standard errors; lambda_3 is \
+         the trivial exponent along the flow",
+    )];
+    if experiment.wears() {
+        notes.push("where the contact wears, lambda_1 is of finite time, and has neither error nor class".to_owned());
+    }
+    if lasts {
+        notes.push("class: 0 chaotic, 1 regular, 2 quasi-periodic, 3 undecided".to_owned());
+    }
+    let names = ["x0", "y0", axis.coordinate.name()];
+    let names: Vec<&str> = names.into_iter().chain(columns.iter().map(|(name, _)| *name)).collect();
+    files.table("", &notes, names, rows)
 }
 
-fn words(onset: Option<&Onset>, experiment: &Experiment, definition: &Definition) -> String {
+/// A column of the table.
+type Column = fn(&Measurement) -> f64;
+
+/// `gaps` of the `exponents` were not measured.
+fn words(onset: &Search, experiment: &Experiment, definition: &Definition, gaps: usize, exponents: usize) -> String {
     let coordinate = experiment.grid.axes[0].coordinate;
     let unit = match experiment.grid.fixed.unit(coordinate) {
         "1" => String::new(),
         unit => format!(" {unit}"),
     };
     match onset {
-        None => "onset: not looked for".to_owned(),
-        Some(Onset::Never) => "onset: none of the initial states leads to chaos on the axis".to_owned(),
-        Some(Onset::BelowAxis) => {
+        Search::Left(reason) => format!("onset: not looked for ({reason})"),
+        Search::Never if gaps == exponents => "onset: unknown, since nothing was measured".to_owned(),
+        Search::Never if gaps > 0 => format!(
+            "onset: none of the initial states leads to chaos where it was measured, which {gaps} of {exponents} points were not"
+        ),
+        Search::Never => "onset: none of the initial states leads to chaos on the axis".to_owned(),
+        Search::BelowAxis => {
             "onset: below the axis, at whose lowest decided value the motion is chaotic already".to_owned()
         }
-        Some(Onset::Found(found)) => format!(
+        Search::Found(found, again) => format!(
             "onset: {coordinate} = {} +- {}{unit}, from (x, y) = ({}, {}), with exponent {:.4} +- {:.4}; by {} + {} periods of {} \
-             {} steps on multiples of {}",
+             {} steps on multiples of {}\n       {}",
             charts::rounded(found.value),
             found.spacing,
             found.start[0],
@@ -244,27 +372,63 @@ fn words(onset: Option<&Onset>, experiment: &Experiment, definition: &Definition
             definition.settings.steps_per_period(),
             definition.settings.scheme().name(),
             definition.spacing,
+            confirmation(again),
         ),
     }
 }
 
-fn object(experiment: &Experiment, starts: &[[f64; 2]], onset: Option<&Onset>) -> Value {
+fn is_confirmed(again: &Measurement) -> bool {
+    again.class == Some(Class::Chaotic)
+}
+
+/// What a longer measurement at the onset says.
+fn confirmation(again: &Measurement) -> String {
+    let confirmed = if is_confirmed(again) {
+        "confirmed"
+    } else {
+        "not confirmed"
+    };
+    let what = match again.status {
+        Status::Ok => format!(
+            "{:.4} +- {:.4}, {}",
+            again.lyapunov,
+            again.lyapunov_error,
+            again.class.map_or("-", Class::name)
+        ),
+        Status::Runaway { time } => format!("ran away at tau = {time:.3}"),
+        Status::UnderResolved => "under-resolved".to_owned(),
+    };
+    format!("{confirmed} over {CONFIRMING_PERIODS} periods: {what}")
+}
+
+fn object(experiment: &Experiment, starts: &[[f64; 2]], onset: &Search, gaps: &Gaps) -> Value {
     let onset = match onset {
-        Some(Onset::Found(found)) => json!({
+        Search::Found(found, again) => json!({
             "value": charts::rounded(found.value),
             "uncertainty": found.spacing,
             "initial_state": found.start,
             "lyapunov": found.exponent,
             "lyapunov_error": found.error,
+            "confirmed": is_confirmed(again),
+            "confirmation": {
+                "periods": CONFIRMING_PERIODS,
+                "status": again.status.name(),
+                "class": again.class,
+                "lyapunov": again.lyapunov,
+                "lyapunov_error": again.lyapunov_error,
+            },
         }),
-        Some(Onset::BelowAxis) => json!("below_axis"),
-        Some(Onset::Never) => json!("never"),
-        None => Value::Null,
+        Search::BelowAxis => json!("below_axis"),
+        Search::Never if gaps.all() > 0 => json!("unknown"),
+        Search::Never => json!("never"),
+        Search::Left(_) => Value::Null,
     };
     let object = json!({
         "parameters": analysis::parameters(experiment.grid.fixed.parameters()),
         "axis": experiment.grid.axes[0],
         "starts": starts,
+        "runaways": gaps.ran_away,
+        "under_resolved": gaps.under_resolved,
         "onset": onset,
     });
     analysis::with_machine(object, experiment)

@@ -4,17 +4,19 @@ use clap::Args;
 use serde_json::{Value, json};
 use tribochaos::analysis::exponents::from;
 use tribochaos::analysis::path::path;
-use tribochaos::experiment::Request;
+use tribochaos::experiment::{Request, Settings};
 use tribochaos::grid::Coordinate;
+use tribochaos::measurement::Status;
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts};
 use tribochaos::parameters::Parameter;
 
-use super::Failure;
 use super::analysis::{self, Files, OutArgs, StartArgs, Values};
 use super::request::{self, ExperimentArgs};
+use super::{Failure, report};
 
-/// Orbits are integrated on the CPU in f64. The default is 32 measured periods after 300.
+/// Orbits are integrated on the CPU in f64, with frictional heat where gamma is not 0. The default is 32 measured periods after
+/// 300.
 #[derive(Args)]
 #[command(after_help = request::parameter_table())]
 pub struct PhaseArgs {
@@ -42,16 +44,20 @@ pub fn defaults() -> Request {
 }
 
 pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
-    let experiment = analysis::experiment(&args.experiment, None, defaults())?;
-    let settings = &experiment.settings;
+    let mut experiment = analysis::experiment(&args.experiment, None, defaults())?;
     let starts = args.start.resolve(&args.experiment, &experiment)?;
     let points = analysis::points(args.at.as_ref(), &experiment.grid.fixed, &args.experiment.subject.set)?;
-    if points.iter().any(|point| point.parameters().is_rubbed()) {
-        return Err(Failure::Input(anyhow::anyhow!(
-            "the phase plane is drawn at constant contact pressure, without frictional heat and wear: set gamma = 0 and k_w = 0 \
-             (of a machine, wear_energy_share = 1 and wear_coefficient = 0)"
-        )));
-    }
+    analysis::check_lasting(points.iter().any(|point| point.parameters().wears()))?;
+    // the scheme suits the points of --at, not the one whose value they replace
+    let typed = Settings {
+        scheme: args.experiment.scheme,
+        steps_per_period: args.experiment.steps_per_period,
+        ..experiment.settings
+    };
+    experiment.settings = typed
+        .for_model(points.iter().any(|point| point.parameters().is_rubbed()))
+        .map_err(Failure::input)?;
+    let settings = &experiment.settings;
     let count = points.len() * starts.len();
     if count > MOST_ORBITS {
         return Err(Failure::Input(anyhow::anyhow!(
@@ -73,13 +79,18 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
         for &start in &starts {
             let path = path(&from(point.parameters(), start), settings, POINTS_PER_PERIOD);
             let value = analysis::value_of(point, coordinate);
-            rows.extend(path.iter().map(|p| {
+            rows.extend(path.points.iter().map(|p| {
                 let is_stroboscopic = f64::from(u8::from(p.is_stroboscopic));
                 [start[0], start[1], value, p.tau, p.x, p.y, is_stroboscopic]
             }));
-            let ended = path.iter().filter(|p| p.is_stroboscopic).count() <= settings.periods as usize;
-            if ended {
-                eprintln!("warning: the orbit from {start:?} at {value} ran away: its path ends there");
+            let [x, y] = start;
+            let ending = match path.status {
+                Status::Ok => None,
+                Status::Runaway { time } => Some(format!("ran away at tau = {time:.3} of its run")),
+                Status::UnderResolved => Some(format!("is under-resolved ({})", report::remedy(settings))),
+            };
+            if let Some(ending) = ending {
+                eprintln!("warning: the orbit from ({x}, {y}) at {coordinate} = {value} {ending}: its path ends there");
             }
             let mut name: Vec<String> = args
                 .at
@@ -96,10 +107,10 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
             };
             objects.push(json!({
                 "parameters": analysis::parameters(&from(point.parameters(), start)),
-                "last": path.last().map(|p| [p.x, p.y]),
-                "ran_away": ended,
+                "last": path.points.last().map(|p| [p.x, p.y]),
+                "status": path.status.name(),
             }));
-            orbits.push((name, path));
+            orbits.push((name, path.points));
         }
     }
     let mut shown: Vec<Coordinate> = args.at.iter().map(|at| at.coordinate).collect();

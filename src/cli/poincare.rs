@@ -34,6 +34,9 @@ pub struct PoincareArgs {
     out: OutArgs,
 }
 
+/// Pixels that the states of a cycle of up to 32 periods lie on, and as many more for those at the edges of some.
+const MOST_CYCLE_PIXELS: usize = 64;
+
 /// What holds where nothing else is asked for.
 pub fn defaults() -> Request {
     let mut defaults = Request::default();
@@ -46,7 +49,7 @@ pub const HIDDEN: &[&str] = &["periods"];
 
 pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     let mut experiment = analysis::experiment(&args.experiment, None, defaults())?;
-    analysis::check_lasting(&experiment)?;
+    analysis::check_lasting(experiment.wears())?;
     if args.experiment.periods.is_some() {
         return Err(Failure::Input(anyhow::anyhow!(
             "the measured periods of a section follow from --points: leave --periods out"
@@ -88,7 +91,8 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     drop(bar);
     if points.is_empty() {
         return Err(Failure::Run(anyhow::anyhow!(
-            "all {orbits} orbits ran away: there is no attractor near (x0, y0)"
+            "all {orbits} orbits ran away or were given up as under-resolved, and there is nothing to draw: `tribochaos point` \
+             tells which of the two"
         )));
     }
     points.truncate(usize::try_from(args.points).unwrap_or(usize::MAX));
@@ -99,6 +103,10 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
         [Layer::Density(density)] => (density.occupied(), density.outside()),
         _ => (0, 0),
     };
+    let inside = points.len() - outside;
+    // what the window shows of an attractor does not tell what it is
+    let whole = charts::section("", &points, None, None, SINGLE);
+    let is_cycle = matches!(&whole.layers[..], [Layer::Density(density)] if density.occupied() <= MOST_CYCLE_PIXELS);
     let mut numerics = format!(
         "{} states of {orbits} orbits begun within 0.001 of (x₀, y₀), after {} forcing periods. {}. ",
         points.len(),
@@ -132,18 +140,28 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
             "points": points.len(),
             "orbits": orbits,
             "runaways": runaways,
+            "in_window": inside,
             "pixels": occupied,
         });
         files.report(Some(analysis::with_machine(object, &experiment)));
         return Ok(());
     }
     say!(
-        "{} states on {occupied} pixels in {}",
+        "{} states in {}, {inside} of them in the frame, on {occupied} pixels",
         points.len(),
         report::duration(started.elapsed())
     );
-    if occupied <= 64 {
-        say!("so few pixels mean a cycle, not a chaotic attractor");
+    if inside == 0 {
+        say!(
+            "no state lies in the window: all lie within --window {:.4}:{:.4},{:.4}:{:.4}",
+            whole.x.low,
+            whole.x.high,
+            whole.y.low,
+            whole.y.high
+        );
+    }
+    if is_cycle {
+        say!("all states lie on so few pixels that they are those of a cycle, not of a chaotic attractor");
     }
     files.report(None);
     Ok(())

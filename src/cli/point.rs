@@ -9,7 +9,7 @@ use tribochaos::parameters::Parameter;
 use tribochaos::sweep::choice;
 
 use super::request::{self, ExperimentArgs};
-use super::{Failure, analysis, progress, si};
+use super::{Failure, analysis, progress, report, si};
 
 /// One point is integrated on the CPU unless a GPU is asked for, since it would not fill one.
 #[derive(Args)]
@@ -46,12 +46,10 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
     // of the initial state whose exponent is reported
     let [x0, y0] = m.initial_state;
     let instance = experiment.grid.point(0).with(Parameter::X0, x0).with(Parameter::Y0, y0);
-    let spectrum = match m.status {
-        // the paper's spectrum is that of a constant pressure
-        _ if instance.is_rubbed() => None,
-        Status::Ok | Status::UnderResolved => lyapunov_spectrum(&instance, &experiment.settings),
-        Status::Runaway { .. } => None,
-    };
+    // the paper's spectrum is that of a constant pressure
+    let spectrum = (m.status == Status::Ok && !instance.is_rubbed())
+        .then(|| lyapunov_spectrum(&instance, &experiment.settings))
+        .flatten();
     let beyond = si::beyond(&experiment.grid.fixed, &m.contact, m.x_min.abs().max(m.x_max.abs()));
     for warning in &beyond {
         eprintln!("warning: {warning}");
@@ -115,11 +113,18 @@ fn print(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) {
         say_on!("{parameter} = {value}  ");
     }
     say!("\n");
-    if let Status::Runaway { time } = m.status {
-        say!("ran away at tau = {time:.3}");
-        return;
-    }
     let settings = &experiment.settings;
+    match m.status {
+        Status::Ok => {}
+        Status::Runaway { time } => {
+            say!("ran away at tau = {time:.3}");
+            return;
+        }
+        Status::UnderResolved => {
+            say!("under-resolved, nothing was measured: {}", report::remedy(settings));
+            return;
+        }
+    }
     let at = &experiment.grid.fixed;
     say!(
         "class               {}",

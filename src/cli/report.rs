@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::time::Duration;
 
-use tribochaos::experiment::{Experiment, Scheme};
+use tribochaos::experiment::{Experiment, Scheme, Settings};
 use tribochaos::grid::Coordinate;
 use tribochaos::machine::units::si;
 use tribochaos::map::{OnsetKind, ParameterMap, threshold};
@@ -58,6 +58,21 @@ pub fn plan(experiment: &Experiment) -> String {
 
 pub fn device(choice: &Choice) -> String {
     format!("on {} ({})", choice.backends.active().device(), choice.reason)
+}
+
+/// Why points are under-resolved by a scheme, and what may resolve them.
+pub fn remedy(settings: &Settings) -> &'static str {
+    match settings.scheme() {
+        Scheme::Taylor => {
+            "the motion is too stiff for taylor within its least step or most steps a period; try --scheme radau, or more \
+             --steps-per-period"
+        }
+        Scheme::Radau => {
+            "the motion needs shorter steps, or more of them in a period, than there may be, or a number overflowed; \
+             `tribochaos history` shows how far it goes"
+        }
+        Scheme::Rk4 => "use more --steps-per-period or a smaller --renormalise-every, or try --scheme radau",
+    }
 }
 
 /// A duration as people say it.
@@ -148,12 +163,11 @@ pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[St
         );
     }
     if under_resolved > 0 {
-        let remedy = match settings.scheme() {
-            Scheme::Taylor => "their motion is too stiff for this scheme within its least step or most steps a period",
-            Scheme::Radau => "their motion needs shorter steps, or more of them in a period, than there may be",
-            Scheme::Rk4 => "use more --steps-per-period or a smaller --renormalise-every",
-        };
-        let _ = writeln!(text, "warning: {under_resolved} points are under-resolved: {remedy}");
+        let _ = writeln!(
+            text,
+            "warning: {under_resolved} points are under-resolved: {}",
+            remedy(settings)
+        );
     }
     if map.experiment.wears() {
         return text;

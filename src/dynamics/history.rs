@@ -2,6 +2,8 @@
 //!
 //! Owns its samples; the motion between them is [`super::adaptive`]'s.
 
+use std::ops::Range;
+
 use super::adaptive::{Control, Orbit, Peaks, System};
 use super::radau::ModeStep;
 use crate::experiment::Settings;
@@ -29,7 +31,8 @@ pub struct Sample {
 /// A run, sampled in equal steps.
 #[derive(Clone, Debug)]
 pub struct History {
-    /// From tau = 0 on; they break off where the instance was given up.
+    /// Over the periods that are shown, both ends included; they break off where the instance was given up. If that was
+    /// before those periods, the last one before is left.
     pub samples: Vec<Sample>,
     /// tau_c, when contact was first lost.
     pub contact_lost: Option<f64>,
@@ -44,11 +47,12 @@ pub struct History {
     pub peak_temperature: f64,
 }
 
-/// Follows an instance over `periods` forcing periods from its initial state, `samples` times in each.
+/// Follows an instance from its initial state to the end of the forcing periods `shown`, and samples it `samples` times in
+/// each of these. What comes before is cut into the same steps.
 ///
 /// # Panics
 /// If `samples` is 0.
-pub fn history(parameters: &ParameterSet, settings: &Settings, periods: u32, samples: u32) -> History {
+pub fn history(parameters: &ParameterSet, settings: &Settings, shown: Range<u32>, samples: u32) -> History {
     assert!(samples > 0, "samples in a period");
     let spectrum = ThermalModes::new(parameters[Parameter::Biot], settings.modes as usize);
     let modes = HeatModes::new(parameters, &spectrum);
@@ -68,12 +72,15 @@ pub fn history(parameters: &ParameterSet, settings: &Settings, periods: u32, sam
     };
     let mut all = vec![sample(&orbit)];
     let mut given_up = false;
-    'run: for _ in 0..periods {
+    'run: for period in 0..shown.end {
         for part in 0..samples {
             orbit.part_of_period(&system, &control, &mut peaks, None, &mut scratch, part, samples);
             given_up = orbit.under_resolved + orbit.runaway > 0.0;
             if given_up {
                 break 'run;
+            }
+            if period < shown.start {
+                all.clear();
             }
             all.push(sample(&orbit));
         }

@@ -25,7 +25,8 @@ impl Experiment {
         self.machine_warnings().into_iter().chain(numerical).collect()
     }
 
-    fn machine_warnings(&self) -> Vec<String> {
+    /// Those of them that do not depend on how the experiment is computed: of the machine.
+    pub fn machine_warnings(&self) -> Vec<String> {
         let corners = self.grid.corner_machines();
         if corners.is_empty() {
             return Vec::new();

@@ -27,6 +27,18 @@ pub(super) fn scale(label: &str, limits: Limits, values: impl Iterator<Item = f6
     }
 }
 
+/// Least extent of an axis of states: those of a cycle differ by rounding errors, which are nothing to see.
+const LEAST_EXTENT: f64 = 1e-3;
+
+fn scale_of_states(label: &str, limits: Limits, values: impl Iterator<Item = f64>) -> Scale {
+    let scale = scale(label, limits, values);
+    if limits.is_some() || scale.high - scale.low >= LEAST_EXTENT {
+        return scale;
+    }
+    let middle = 0.5 * (scale.low + scale.high);
+    Scale::new(label, middle - 0.5 * LEAST_EXTENT, middle + 0.5 * LEAST_EXTENT)
+}
+
 /// Colour of the curve with an index.
 pub(super) fn colour_of(index: usize) -> colour::Rgb {
     colour::PERIODS[index % colour::PERIODS.len()]
@@ -126,8 +138,8 @@ pub fn phase(title: &str, orbits: &[(String, Vec<PathPoint>)], x: Limits, y: Lim
     };
     Panel {
         title: title.to_owned(),
-        x: scale(ANGLE, x, points().map(|point| point.x)),
-        y: scale(SPEED, y, points().map(|point| point.y)),
+        x: scale_of_states(ANGLE, x, points().map(|point| point.x)),
+        y: scale_of_states(SPEED, y, points().map(|point| point.y)),
         layers: curves.chain(strobes).chain([legend_of_marks]).collect(),
     }
 }
@@ -138,12 +150,12 @@ fn darker(colour: colour::Rgb) -> colour::Rgb {
 
 /// The stroboscopic section as a density over a frame of the given size.
 pub fn section(title: &str, points: &[[f64; 2]], x: Limits, y: Limits, frame: [u32; 2]) -> Panel {
-    let x = scale(
+    let x = scale_of_states(
         &format!("{ANGLE} ({STROBOSCOPIC})"),
         x,
         points.iter().map(|point| point[0]),
     );
-    let y = scale(
+    let y = scale_of_states(
         &format!("{SPEED} ({STROBOSCOPIC})"),
         y,
         points.iter().map(|point| point[1]),
@@ -182,7 +194,7 @@ pub fn bifurcation(title: &str, diagram: &Diagram, component: Component, limits:
         Component::X => ANGLE,
         Component::Y => SPEED,
     };
-    let y = scale(&format!("{label} ({STROBOSCOPIC})"), limits, states());
+    let y = scale_of_states(&format!("{label} ({STROBOSCOPIC})"), limits, states());
     let group = axis.count.div_ceil(frame[0] as usize);
     let columns = axis.count.div_ceil(group);
     let rises = axis.step() > 0.0;
@@ -207,7 +219,8 @@ pub fn bifurcation(title: &str, diagram: &Diagram, component: Component, limits:
 /// Standard errors that a band is wide to either side.
 const BAND: f64 = 2.0;
 
-/// The three exponents over the axis of a line, with error bands and the onset of chaos.
+/// The exponents over the axis of a line, with error bands and the onset of chaos. With heat there is no second one, and one
+/// of finite time has no error: what is nowhere on the line is neither drawn nor named.
 pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits) -> Panel {
     let axis = &line.axis;
     let label = AxisLabel::of(axis, &line.fixed);
@@ -228,6 +241,13 @@ pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits
     let (first, second, third) = (colour_of(4), colour_of(0), FAINT);
     let (low, high) = (axis.start.min(axis.stop), axis.start.max(axis.stop));
     let (low, high) = (label.factor * low, label.factor * high);
+    let occurs = |value: fn(&Measurement) -> f64| line.measurements.iter().any(|m| value(m).is_finite());
+    let has_second = occurs(|m| m.lyapunov_second);
+    let bands = match (occurs(|m| m.lyapunov_error), has_second) {
+        (true, true) => " (bands: ± 2 standard errors)",
+        (true, false) => " (band: ± 2 standard errors)",
+        (false, _) => "",
+    };
     let mut layers = vec![
         Layer::Curve {
             name: "λ₃ = 0, along the flow".to_owned(),
@@ -244,17 +264,19 @@ pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits
             points: band(|m| [m.lyapunov, m.lyapunov_error]),
             colour: first,
         },
-        Layer::Curve {
+    ];
+    if has_second {
+        layers.push(Layer::Curve {
             name: "λ₂".to_owned(),
             points: curve(|m| m.lyapunov_second),
             stroke: Stroke::solid(second, 1.2),
-        },
-        Layer::Curve {
-            name: "λ₁ (bands: ± 2 standard errors)".to_owned(),
-            points: curve(|m| m.lyapunov),
-            stroke: Stroke::solid(first, 1.2),
-        },
-    ];
+        });
+    }
+    layers.push(Layer::Curve {
+        name: format!("λ₁{bands}"),
+        points: curve(|m| m.lyapunov),
+        stroke: Stroke::solid(first, 1.2),
+    });
     if let Some(found) = onset {
         layers.push(Layer::Flag {
             x: label.factor * found.value,
@@ -265,10 +287,12 @@ pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits
             stroke: Stroke::dashed([0, 0, 0], 1.2),
         });
     }
-    let values = line
-        .measurements
-        .iter()
-        .flat_map(|m| [m.lyapunov, m.lyapunov_second, 0.0]);
+    let with_band = |value: f64, error: f64| [value, value - BAND * error, value + BAND * error];
+    let values = line.measurements.iter().flat_map(|m| {
+        let first = with_band(m.lyapunov, m.lyapunov_error);
+        let second = with_band(m.lyapunov_second, m.lyapunov_second_error);
+        first.into_iter().chain(second).chain([0.0])
+    });
     Panel {
         title: title.to_owned(),
         x: Scale::new(&label.words, low, high),
@@ -294,4 +318,48 @@ pub fn rounded(value: f64) -> f64 {
 /// The initial state as captions name it.
 pub fn start([x, y]: [f64; 2]) -> String {
     format!("({x}, {y})").replace('-', "\u{2212}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::Axis;
+    use crate::measurement::{BackendKind, Status};
+    use crate::parameters::ParameterSet;
+
+    #[test]
+    fn the_states_of_a_cycle_do_not_shrink_their_axes() {
+        let noise = [[0.5, 0.1], [0.5 + 1e-15, 0.1 - 1e-16]];
+        let panel = section("", &noise, None, None, [90, 60]);
+        for (scale, middle) in [(&panel.x, 0.5), (&panel.y, 0.1)] {
+            assert!((scale.high - scale.low - LEAST_EXTENT).abs() < 1e-9, "{scale:?}");
+            assert!((0.5 * (scale.high + scale.low) - middle).abs() < 1e-9, "{scale:?}");
+        }
+        // ends that are given stay
+        let panel = section("", &noise, Some([0.5, 0.5 + 1e-6]), None, [90, 60]);
+        assert_eq!([panel.x.low, panel.x.high], [0.5, 0.5 + 1e-6]);
+    }
+
+    #[test]
+    fn bands_lie_within_the_frame() {
+        let measured = |lyapunov| Measurement {
+            status: Status::Ok,
+            lyapunov,
+            lyapunov_error: 0.1,
+            lyapunov_second: -1.0,
+            lyapunov_second_error: 0.2,
+            ..Measurement::runaway(0.0, BackendKind::CpuF64)
+        };
+        let line = Line {
+            axis: Axis::parse("zeta_k=3:4:2").unwrap(),
+            fixed: ParameterSet::default().into(),
+            start: [0.1, 0.0],
+            measurements: vec![measured(0.0), measured(0.5)],
+        };
+        let scale = exponents("", &line, None, None).y;
+        assert!(
+            scale.low < -1.0 - BAND * 0.2 && scale.high > 0.5 + BAND * 0.1,
+            "{scale:?}"
+        );
+    }
 }

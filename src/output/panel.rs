@@ -244,7 +244,8 @@ impl Panel {
             }
             Layer::Band { points, colour, .. } => {
                 // pieces between gaps, there along the upper end and back along the lower
-                for piece in points.split(|point| point.iter().any(|value| !value.is_finite())) {
+                let pieces = points.split(|point| point.iter().any(|value| !value.is_finite()));
+                for piece in pieces.filter(|piece| !piece.is_empty()) {
                     let upper = piece.iter().map(|&[x, _, high]| place([x, high]));
                     let lower = piece.iter().rev().map(|&[x, low, _]| place([x, low]));
                     let path = path(upper.chain(lower));

@@ -4,10 +4,10 @@
 
 use super::table::{Row, Value};
 use super::{Data, Effort, Observer, Outcome, PaperError};
-use crate::analysis::path::PathPoint;
+use crate::analysis::path::path;
 use crate::backend::cpu::CpuBackend;
 use crate::dynamics::history::{History, Sample, history};
-use crate::experiment::{Precision, Preset, Settings};
+use crate::experiment::{Precision, Preset, Scheme, Settings};
 use crate::grid::Grid;
 use crate::measurement::{Class, Measurement};
 use crate::output::histories::{self, Course, courses, curve};
@@ -59,7 +59,7 @@ impl Work {
         let settings = Settings::default()
             .for_model(true)
             .expect("the default scheme suits every model");
-        history(at, &settings, periods, self.samples)
+        history(at, &settings, 0..periods, self.samples)
     }
 }
 
@@ -118,11 +118,16 @@ pub fn figure_5_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
         };
         let is_chaotic = m.class == Some(Class::Chaotic);
         let shown = if is_chaotic { work.shown } else { SHOWN };
-        let history = work.follow(&point, TRANSIENT + shown);
+        let settings = Settings {
+            transient_periods: TRANSIENT,
+            periods: shown,
+            scheme: Some(Scheme::Radau),
+            ..Settings::default()
+        };
+        let path = path(&point, &settings, work.samples).points;
         if observer().is_break() {
             return Ok(None);
         }
-        let path = tail(&history.samples, TRANSIENT, work.samples);
         let table_rows = path
             .iter()
             .map(|point| vec![f64::from(number), point.tau, point.x, point.y]);
@@ -171,21 +176,6 @@ fn measured(work: &Work, point: &ParameterSet, observer: &mut Observer<'_>) -> R
     let observer = &mut |_: crate::sweep::Event<'_>| observer();
     let measured = backends.measure(&grid, &work.settings, &[0], observer)?;
     Ok(measured.map(|measured| measured[0]))
-}
-
-/// The motion after `periods` forcing periods, with its states at drive phase 0.
-fn tail(samples: &[Sample], periods: u32, samples_per_period: u32) -> Vec<PathPoint> {
-    let first = (periods * samples_per_period) as usize;
-    let rest = samples.get(first..).unwrap_or_default();
-    rest.iter()
-        .enumerate()
-        .map(|(index, sample)| PathPoint {
-            tau: sample.tau - rest[0].tau,
-            x: sample.x,
-            y: sample.y,
-            is_stroboscopic: index % samples_per_period as usize == 0,
-        })
-        .collect()
 }
 
 /// Forcing periods after which pressure and wear have come within a hundredth of where they tend.

@@ -42,7 +42,7 @@ impl Audit {
     }
 
     /// Whether at least 98 % of the points of each class that is decided agree in class (one point may always differ),
-    /// and 95 % of all exponents within their errors.
+    /// and 95 % of their exponents within their errors.
     pub fn passes(&self) -> bool {
         let decided = self.classes.iter().filter(|row| row.class != Some(Class::Undecided));
         let points: usize = decided.clone().map(|row| row.points).sum();

@@ -87,7 +87,7 @@ fn without_wear_the_paper_s_cycles_have_their_periods_and_exponents() {
 #[test]
 fn wear_without_heat_takes_the_pressure_to_zero_slowly() {
     let set = paper(3.9).with(Parameter::Gamma, 0.0);
-    let run = history(&set, &Settings::default(), 40, 100);
+    let run = history(&set, &Settings::default(), 0..40, 100);
     let wear_at = |tau: f64| {
         let after = run.samples.iter().position(|sample| sample.tau >= tau).unwrap();
         let [a, b] = [&run.samples[after - 1], &run.samples[after]];
@@ -166,7 +166,7 @@ fn the_modes_agree_with_finite_volumes_and_with_the_volterra_integral() {
         tolerance: 1e-6,
         ..Settings::default()
     };
-    let ours = history(&set, &settings, 2, 16);
+    let ours = history(&set, &settings, 0..2, 16);
     let volumes = finite_volume(&case, 6.3, 1e-4, 200);
     let integral = volterra(&case, 6.3, 5e-4);
     for sample in &ours.samples[1..] {
@@ -246,7 +246,7 @@ fn a_fast_start_does_not_lose_contact_at_once() {
 #[test]
 fn with_a_ramp_contact_begins_at_zero_and_can_come_back() {
     let ramped = paper(3.9).with(Parameter::RampRate, 0.05).with(Parameter::KW, 0.05);
-    let run = history(&ramped, &Settings::default(), 8, 64);
+    let run = history(&ramped, &Settings::default(), 0..8, 64);
     assert_eq!(run.samples[0].pressure, 0.0);
     assert!(!run.given_up);
     for sample in &run.samples {
@@ -254,7 +254,7 @@ fn with_a_ramp_contact_begins_at_zero_and_can_come_back() {
     }
     // slow motion: the shaft cools while it rests, loses contact, and the fit that still grows closes the gap again
     let slow = paper(1.0).with(Parameter::Omega0, 0.2).with(Parameter::RampRate, 1e-5);
-    let run = history(&slow, &Settings::default(), 5, 256);
+    let run = history(&slow, &Settings::default(), 0..5, 256);
     let case = Case {
         set: slow,
         ramp_rate: Some(1e-5),
@@ -330,7 +330,7 @@ fn the_heat_put_in_is_stored_or_lost_at_the_surface() {
         tolerance: 1e-6,
         ..Settings::default()
     };
-    let run = history(&set, &settings, 3, 2000);
+    let run = history(&set, &settings, 0..3, 2000);
     let (gamma, cooling) = (set[Parameter::Gamma], set[Parameter::OmegaTilde] * set[Parameter::Biot]);
     let friction = |v: f64| crate::oracle::friction(&set, v);
     // Simpson's rule over pairs of samples
