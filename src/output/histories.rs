@@ -229,7 +229,7 @@ mod tests {
             );
             assert_eq!(panels.iter().filter(|panel| !panel.x.is_bare).count(), 1);
             let figure = Sheet::stacked(panels, vec!["a caption".to_owned()]).draw().unwrap();
-            assert_eq!(figure.svg.matches("τ_c = 7.250").count(), 1);
+            assert_eq!(figure.svg.matches("> = 7.250<").count(), 1);
             assert_eq!(figure.svg.matches(">time τ<").count(), 1);
             let tree = resvg::usvg::Tree::from_str(&figure.svg, text::options()).unwrap();
             let bounds = tree.root().abs_layer_bounding_box();
