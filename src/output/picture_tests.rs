@@ -94,6 +94,23 @@ fn the_threshold_lies_between_the_blocks_and_breaks_where_there_is_none() {
 }
 
 #[test]
+fn an_overlay_reaches_the_frame_where_it_ends_with_the_axes() {
+    let map = samples::map("zeta_k=0:3:4", "h1=0:3:4", &[-1.0; 16]);
+    let path = |points: Vec<[f64; 2]>| {
+        let overlay = Some(Overlay {
+            name: "theory".to_owned(),
+            points,
+        });
+        let figure = lyapunov_picture(&map, &Style { overlay, ..small() }).unwrap();
+        let line = figure.svg.lines().find(|line| line.contains("url(#map)")).unwrap();
+        line.matches('L').count()
+    };
+    // two steps, and one more at either end; in the middle of the map none
+    assert_eq!(path(vec![[1.0, 0.0], [1.5, 1.0], [2.0, 3.0]]), 4);
+    assert_eq!(path(vec![[1.0, 1.0], [1.5, 1.5], [2.0, 2.0], [f64::NAN, 3.0]]), 2);
+}
+
+#[test]
 fn the_legend_names_what_occurs_and_nothing_else() {
     let map = samples::map("zeta_k=0:3:4", "h1=0:1:2", &[-1.0, -0.5, 0.5, f64::NAN]);
     let svg = period_picture(&map, &small()).unwrap().svg;
