@@ -10,6 +10,8 @@ use crate::machine::units::{Unit, si};
 
 const TIME: &str = "time τ";
 
+const NOTHING: &str = "there is no sample";
+
 /// Words of the axes.
 pub const PRESSURE: &str = "pressure p";
 pub const WEAR: &str = "wear u_w";
@@ -128,6 +130,7 @@ pub fn stacked(history: &History, scales: Option<&Scales>) -> Vec<Panel> {
             },
             y: Scale::around(&label, history.samples.iter().map(value)),
             layers,
+            nothing: NOTHING.to_owned(),
         }
     });
     panels.collect()
@@ -165,6 +168,7 @@ pub fn courses(label: &str, courses: &[Course], x: Limits, y: Limits) -> Panel {
         x: scale(TIME, x, points().map(|point| point[0])),
         y: scale(label, y, points().map(|point| point[1])),
         layers: layers.collect(),
+        nothing: NOTHING.to_owned(),
     }
 }
 
