@@ -184,10 +184,14 @@ fn a_machine_s_map_has_axes_and_values_in_si_units() {
         map.set(index, &measurement);
     }
     // the scale of pressure is proportional to the interference
-    let pressures = map.si_column(Quantity::PeakPressure).unwrap();
+    let (pressures, unit) = map.si_column(Quantity::PeakPressure).unwrap();
+    assert_eq!(unit, "Pa");
     assert!((pressures[0] / (50.0 * 365_384.615) - 1.0).abs() < 1e-8);
     assert!((pressures[29] / pressures[0] - 5.0).abs() < 1e-12);
-    assert!(map.si_column(Quantity::Lyapunov).is_none());
+    // t* is 17 ms
+    let (exponents, unit) = map.si_column(Quantity::Lyapunov).unwrap();
+    assert!(unit == "1/s" && (exponents[0] + 59.0).abs() < 0.1, "{}", exponents[0]);
+    assert!(map.si_column(Quantity::X).is_none());
     let svg = |quantity| quantity_picture(&map, quantity, &Style::default()).unwrap().svg;
     let pressure = svg(Quantity::PeakPressure);
     for words in [
@@ -204,7 +208,7 @@ fn a_machine_s_map_has_axes_and_values_in_si_units() {
     // neither what is an axis nor what changes along one is told as fixed
     assert!(!pressure.contains("Ωₐ\u{a0}=") && !pressure.contains("ζₖ\u{a0}=") && !pressure.contains("ε\u{a0}="));
     assert!(svg(Quantity::PeakTemperature).contains("rise of the surface temperature, T − T₀ (K)"));
-    assert!(svg(Quantity::Lyapunov).contains("(1/τ)"));
+    assert!(svg(Quantity::Lyapunov).contains("Lyapunov exponent of finite time, λ₁ (1/s)"));
     // limits are in Pa, whatever the prefix
     let style = Style {
         limits: Some((0.0, 4e7)),
@@ -237,5 +241,12 @@ fn fiction_is_counted_with_its_worst_point() {
     assert!(
         warnings[1].contains("365.38 MPa, and the shaft yields at 205 MPa"),
         "{warnings:?}"
+    );
+    let caption = caption::of(&map).join(" ");
+    assert!(
+        caption.contains(
+            "hotter than its melting point at 3.3\u{a0}% of the points, pressed beyond its yield strength at 60\u{a0}%"
+        ),
+        "{caption}"
     );
 }
