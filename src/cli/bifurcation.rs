@@ -118,6 +118,7 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
     .map_err(Failure::backend)?
     .ok_or_else(|| Failure::Interrupted("nothing is drawn".into()))?;
     drop(bar);
+    let integrated_on = caption::integrated_on([choice.backends.active().kind()].into_iter());
 
     let panel = charts::bifurcation("", &diagram, args.show, args.limits, SINGLE);
     let outside = charts::outside(&panel);
@@ -133,7 +134,7 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
         Columns::FollowDown => "followed downward from",
     };
     let mut numerics = format!(
-        "{} values, {manner} (x, y) = {}{more}; {} states each after {} forcing periods. {}. ",
+        "{} values, {manner} (x, y) = {}{more}; {} states each after {} forcing periods. {}, {integrated_on}. ",
         axis.count,
         from.join(", "),
         settings.periods,

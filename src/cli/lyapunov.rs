@@ -131,7 +131,7 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
         _ => None,
     };
     let line = shown(&lines, found);
-    draw(&mut files, args, &settings, line, found)?;
+    draw(&mut files, args, &experiment, line, found)?;
     table(&mut files, &experiment, &lines)?;
     if args.out.json {
         files.report(Some(object(&experiment, &starts, onset.as_ref())));
@@ -156,21 +156,32 @@ fn shown<'a>(lines: &'a [Line], found: Option<&Found>) -> &'a Line {
 fn draw(
     files: &mut Files,
     args: &LyapunovArgs,
-    settings: &Settings,
+    experiment: &Experiment,
     line: &Line,
     found: Option<&Found>,
 ) -> Result<(), Failure> {
+    let settings = &experiment.settings;
+    let run = if analysis::wears(experiment) {
+        format!(
+            "{} forcing periods from the start, or until contact is lost",
+            settings.periods
+        )
+    } else {
+        format!(
+            "{} measured forcing periods after {}",
+            settings.periods, settings.transient_periods
+        )
+    };
     let panel = charts::exponents("", line, found, args.limits);
     let shown = [line.axis.coordinate, Parameter::X0.into(), Parameter::Y0.into()];
     let caption = vec![
         caption::fixed(&line.fixed, &shown),
         format!(
-            "{} values, each from (x, y) = {}; {} measured forcing periods after {}. {}. {PROGRAM}.",
+            "{} values, each from (x, y) = {}; {run}. {}, {}. {PROGRAM}.",
             line.axis.count,
             charts::start(line.start),
-            settings.periods,
-            settings.transient_periods,
-            caption::scheme(settings)
+            caption::scheme(settings),
+            caption::integrated_on(line.measurements.iter().map(|m| m.backend))
         ),
     ];
     let figure = Sheet::single(panel, caption).draw().map_err(Failure::run)?;

@@ -78,6 +78,7 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     .map_err(Failure::backend)?
     .ok_or_else(|| Failure::Interrupted("nothing is drawn".into()))?;
     drop(bar);
+    let integrated_on = caption::integrated_on([choice.backends.active().kind()].into_iter());
     if points.is_empty() {
         return Err(Failure::Run(anyhow::anyhow!(
             "all {orbits} orbits ran away: there is no attractor near (x0, y0)"
@@ -92,7 +93,7 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
         _ => (0, 0),
     };
     let mut numerics = format!(
-        "{} states of {orbits} orbits begun within 0.001 of (x₀, y₀), after {} forcing periods. {}. ",
+        "{} states of {orbits} orbits begun within 0.001 of (x₀, y₀), after {} forcing periods. {}, {integrated_on}. ",
         points.len(),
         settings.transient_periods,
         caption::scheme(settings)
