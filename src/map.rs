@@ -40,26 +40,36 @@ impl ParameterMap {
         &self.columns[quantity as usize]
     }
 
-    /// Values of a quantity in SI units, by the machine of each point; None without a machine, or for a pure number.
-    pub fn si_column(&self, quantity: Quantity) -> Option<Vec<f64>> {
-        let scale = quantity.scale()?;
+    /// Values of a quantity in SI units, by the machine of each point, and their unit; None without a machine, or for a pure
+    /// number.
+    pub fn si_column(&self, quantity: Quantity) -> Option<(Vec<f64>, &'static str)> {
+        let scale = quantity.scale();
+        let unit = match scale {
+            Some(scale) => scale.unit(),
+            None if quantity.is_rate() => "1/s",
+            None => return None,
+        };
         let grid = &self.experiment.grid;
         let values = self.column(quantity).iter().enumerate();
-        values
-            .map(|(index, value)| Some(value * grid.machine(index)?.scales().of(scale)))
-            .collect()
+        let values: Option<Vec<f64>> = values
+            .map(|(index, value)| {
+                let scales = grid.machine(index)?.scales();
+                Some(value * scale.map_or(1.0 / scales.time, |scale| scales.of(scale)))
+            })
+            .collect();
+        Some((values?, unit))
     }
 
     /// Where the results are fiction, since the material of the machine would melt or yield, or the bush turn too far for the
-    /// model, each kind a sentence: at how many points, and the worst.
-    pub fn beyond_limits(&self) -> Vec<String> {
+    /// model: by the limit's name at how many points, the index of the worst, and what happens there.
+    fn fiction(&self) -> BTreeMap<&'static str, (usize, usize, Beyond)> {
         let grid = &self.experiment.grid;
         let (pressures, temperatures) = (
             self.column(Quantity::PeakPressure),
             self.column(Quantity::PeakTemperature),
         );
         let (lowest, highest) = (self.column(Quantity::XMin), self.column(Quantity::XMax));
-        let mut kinds: BTreeMap<&str, (usize, usize, Beyond)> = BTreeMap::new();
+        let mut kinds = BTreeMap::new();
         for index in 0..grid.len() {
             let Some(machine) = grid.machine(index) else { break };
             let angle = lowest[index].abs().max(highest[index].abs());
@@ -71,7 +81,24 @@ impl ParameterMap {
                 }
             }
         }
-        let warnings = kinds.values().map(|(count, index, beyond)| {
+        kinds
+    }
+
+    /// As shares of the points: by the limit's name, `melting` or `yield`.
+    pub fn fiction_shares(&self) -> Vec<(&'static str, f64)> {
+        let points = self.experiment.grid.len() as f64;
+        let fiction = self.fiction();
+        fiction
+            .iter()
+            .map(|(name, (count, ..))| (*name, *count as f64 / points))
+            .collect()
+    }
+
+    /// Each kind of fiction as a sentence: at how many points, and the worst.
+    pub fn beyond_limits(&self) -> Vec<String> {
+        let grid = &self.experiment.grid;
+        let fiction = self.fiction();
+        let warnings = fiction.values().map(|(count, index, beyond)| {
             let share = 100.0 * *count as f64 / grid.len() as f64;
             format!(
                 "fiction at {count} points ({share:.1} %): at {}, the worst, {beyond}",

@@ -365,6 +365,11 @@ impl Quantity {
         }
     }
 
+    /// Whether it is taken per unit of tau, as exponents are.
+    pub fn is_rate(self) -> bool {
+        self.info().units == "1/tau"
+    }
+
     /// For axes and colour bars in SI units.
     pub fn si_label(self) -> &'static str {
         match self {

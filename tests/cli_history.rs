@@ -62,7 +62,8 @@ fn the_preset_loses_contact_in_table_picture_and_summary() {
         assert!(if row[0] < lost { row[4] > 0.0 } else { row[4] == 0.0 }, "{row:?}");
     }
     let svg = fs::read_to_string(folder.path().join("outputs/history.svg")).unwrap();
-    assert!(svg.contains("contact lost at τ_c = 72.05"));
+    // between them the subscript of tau_c
+    assert!(svg.contains(">contact lost at τ<") && svg.contains("> = 72.05"));
 }
 
 #[test]

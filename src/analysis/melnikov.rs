@@ -104,14 +104,15 @@ fn curve_along(fixed: &Fixed, along: &Axis, over: &Axis) -> Result<Vec<[f64; 2]>
         count: over.count.min(MAP_VALUES),
         ..*over
     };
-    let thresholds = thresholds(&over, |row| {
+    let find = |row: f64| {
         let at = |value: f64| {
             *fixed
                 .at([(over.coordinate, row), (along.coordinate, value)])
                 .parameters()
         };
         melnikov::threshold_along(&at, [low, high], MAP_STEPS)
-    })?;
+    };
+    let thresholds = thresholds(&over, find)?;
     if thresholds.iter().all(|threshold| threshold.value().is_none()) {
         let below = thresholds.contains(&Threshold::BelowRange);
         return Err(CurveError::NotOnMap {
@@ -121,10 +122,41 @@ fn curve_along(fixed: &Fixed, along: &Axis, over: &Axis) -> Result<Vec<[f64; 2]>
             place: if below { "at the lower end already" } else { "nowhere" },
         });
     }
-    let points = thresholds.iter().enumerate();
-    Ok(points
-        .map(|(index, threshold)| [threshold.value().unwrap_or(f64::NAN), over.value(index)])
-        .collect())
+    let mut points: Vec<[f64; 2]> = Vec::new();
+    for (index, threshold) in thresholds.iter().enumerate() {
+        let (row, value) = (over.value(index), threshold.value());
+        if let Some(&[before, row_before]) = points.last() {
+            let last = match (before.is_finite(), value) {
+                (true, None) => end_between(&find, row_before, row),
+                (false, Some(_)) => end_between(&find, row, row_before),
+                _ => None,
+            };
+            points.extend(last);
+        }
+        points.push([value.unwrap_or(f64::NAN), row]);
+    }
+    Ok(points)
+}
+
+/// Halvings of the step in which a curve ends.
+const HALVINGS: u32 = 24;
+
+/// Where a curve ends between a value that has a threshold and one that has none: as (threshold, value); the curve would
+/// else stop up to a step short of the map's edge.
+fn end_between(
+    find: &impl Fn(f64) -> Result<Threshold, MelnikovError>,
+    mut with: f64,
+    mut without: f64,
+) -> Option<[f64; 2]> {
+    let mut end = None;
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (with + without);
+        match find(middle).ok().and_then(|threshold| threshold.value()) {
+            Some(value) => (end, with) = (Some([value, middle]), middle),
+            None => without = middle,
+        }
+    }
+    end
 }
 
 /// M over `count` values of tau0 from `low` to `high`, both included: pairs (tau0, M).
@@ -193,6 +225,21 @@ mod tests {
             assert!(
                 (point[0] - expected[0]).abs() < 1e-4 && point[1] == expected[1],
                 "{point:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_curve_that_leaves_the_map_ends_at_its_edge() {
+        for (x, y) in [("zeta_k=3:3.8:10", "h1=0:2:6"), ("zeta_k=3.5:5:10", "h1=1:0:3")] {
+            let experiment = experiment(x, y);
+            let curve = curve_over_map(&experiment).unwrap();
+            let axis = experiment.grid.axes[0];
+            let inside = || curve.iter().map(|point| point[0]).filter(|value| value.is_finite());
+            let ends = [inside().fold(f64::INFINITY, f64::min), inside().fold(0.0, f64::max)];
+            assert!(
+                (ends[0] - axis.start).abs() < 1e-5 || (ends[1] - axis.stop).abs() < 1e-5,
+                "{ends:?}"
             );
         }
     }

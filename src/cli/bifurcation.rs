@@ -123,6 +123,7 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
     .map_err(Failure::backend)?
     .ok_or_else(|| Failure::Interrupted("nothing is drawn".into()))?;
     drop(bar);
+    let integrated_on = caption::integrated_on([choice.backends.active().kind()].into_iter());
 
     let panel = charts::bifurcation("", &diagram, args.show, args.limits, SINGLE);
     let outside = charts::outside(&panel);
@@ -132,7 +133,7 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
         Columns::FollowDown => "followed downward from",
     };
     let mut numerics = format!(
-        "{} values, {manner} (x, y) = {}; {} states each after {} forcing periods. {}. ",
+        "{} values, {manner} (x, y) = {}; {} states each after {} forcing periods. {}, {integrated_on}. ",
         axis.count,
         analysis::starts_in_words(&starts),
         settings.periods,

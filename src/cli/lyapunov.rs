@@ -281,9 +281,10 @@ fn draw(
     let caption = vec![
         caption::fixed(&line.fixed, &shown),
         format!(
-            "{} values, {from}; {run}. {gaps}{}. {PROGRAM}.",
+            "{} values, {from}; {run}. {gaps}{}, {}. {PROGRAM}.",
             line.axis.count,
-            caption::scheme(settings)
+            caption::scheme(settings),
+            caption::integrated_on(line.measurements.iter().map(|m| m.backend))
         ),
     ];
     let figure = Sheet::single(panel, caption).draw().map_err(Failure::run)?;

@@ -60,6 +60,13 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
     let experiment = experiment(args)?;
     let at = experiment.grid.fixed;
     let points = analysis::points(args.at.as_ref(), &at, &args.subject.set)?;
+    if points.len() > charts::MOST_CURVES {
+        return Err(Failure::Input(anyhow::anyhow!(
+            "{} curves are too many for one picture (at most {}): give fewer values",
+            points.len(),
+            charts::MOST_CURVES
+        )));
+    }
     let functions = points
         .iter()
         .map(|point| Melnikov::new(point.parameters()))

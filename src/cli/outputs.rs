@@ -203,7 +203,7 @@ impl Outputs {
     pub fn draw_quantity(&self, map: &ParameterMap, quantity: Quantity, style: &Style) -> anyhow::Result<PathBuf> {
         let path = self.picture(quantity);
         let figure = picture::quantity_picture(map, quantity, style)?;
-        let title = format!("{} of the bush-shaft system", quantity.info().label);
+        let title = format!("{} of the bush-shaft system", picture::label(map, quantity));
         png::write_png(&path, &figure, &map.experiment.to_toml(), &[("Title", &title)])?;
         Ok(path)
     }

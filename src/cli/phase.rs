@@ -34,7 +34,7 @@ pub struct PhaseArgs {
 /// Points of a path in each forcing period.
 const POINTS_PER_PERIOD: u32 = 157;
 /// More orbits in one picture are a tangle.
-const MOST_ORBITS: usize = 24;
+const MOST_ORBITS: usize = charts::MOST_CURVES;
 
 /// What holds where nothing else is asked for.
 pub fn defaults() -> Request {
@@ -114,11 +114,11 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
         }
     }
     let mut shown: Vec<Coordinate> = args.at.iter().map(|at| at.coordinate).collect();
-    if starts.len() > 1 || !args.start.start.is_empty() {
+    if starts.len() > 1 {
         shown.extend([Parameter::X0, Parameter::Y0].map(Coordinate::from));
     }
     let caption = vec![
-        caption::fixed(&experiment.grid.fixed, &shown),
+        caption::fixed(&experiment.grid.fixed.from_state(starts[0]), &shown),
         format!(
             "{} forcing periods after {}. {}, integrated on CPU (f64). {PROGRAM}.",
             settings.periods,

@@ -89,6 +89,7 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     .map_err(Failure::backend)?
     .ok_or_else(|| Failure::Interrupted("nothing is drawn".into()))?;
     drop(bar);
+    let integrated_on = caption::integrated_on([choice.backends.active().kind()].into_iter());
     if points.is_empty() {
         return Err(Failure::Run(anyhow::anyhow!(
             "all {orbits} orbits ran away or were given up as under-resolved, and there is nothing to draw: `tribochaos point` \
@@ -108,7 +109,7 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     let whole = charts::section("", &points, None, None, SINGLE);
     let is_cycle = matches!(&whole.layers[..], [Layer::Density(density)] if density.occupied() <= MOST_CYCLE_PIXELS);
     let mut numerics = format!(
-        "{} states of {orbits} orbits begun within 0.001 of (x₀, y₀), after {} forcing periods. {}. ",
+        "{} states of {orbits} orbits begun within 0.001 of (x₀, y₀), after {} forcing periods. {}, {integrated_on}. ",
         points.len(),
         settings.transient_periods,
         caption::scheme(settings)

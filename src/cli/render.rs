@@ -23,8 +23,8 @@ pub struct RenderArgs {
     /// Quantity to draw; may be repeated [default: lyapunov, period and the threshold's CSV]
     #[arg(long, value_name = "NAME", value_parser = request::named::<Quantity>)]
     quantity: Vec<Quantity>,
-    /// Ends of the colour scale; of a machine's pressure, temperature, wear and times in Pa, K, m and s [default: from the
-    /// data]
+    /// Ends of the colour scale; of a machine's exponents, pressure, temperature, wear and times in 1/s, Pa, K, m and s
+    /// [default: from the data]
     #[arg(long, value_name = "LOW:HIGH", value_parser = request::range, allow_hyphen_values = true)]
     limits: Option<[f64; 2]>,
     /// Colours: blue-red or purple-green [default: blue-red]

@@ -3,17 +3,39 @@
 //! Owns its wording; breaks no lines.
 
 use super::PROGRAM;
-use super::ticks::number;
+use super::ticks::{number, rounded};
 use crate::experiment::{Scheme, Settings};
 use crate::grid::{Axis, Coordinate, Fixed};
 use crate::machine::units::{Unit, five_digits};
 use crate::map::ParameterMap;
-use crate::measurement::{QUANTITIES, Quantity, Values};
+use crate::measurement::{BackendKind, QUANTITIES, Quantity, Values};
 use crate::parameters::{PARAMETERS, Parameter};
 
 /// The paragraphs of the caption.
 pub fn of(map: &ParameterMap) -> Vec<String> {
-    vec![fixed_parameters(map), numerics(map)]
+    let paragraphs = [Some(fixed_parameters(map)), fiction(map), Some(numerics(map))];
+    paragraphs.into_iter().flatten().collect()
+}
+
+/// Where no machine could do what is shown.
+fn fiction(map: &ParameterMap) -> Option<String> {
+    let shares = map.fiction_shares();
+    let parts: Vec<String> = shares
+        .iter()
+        .enumerate()
+        .map(|(index, (name, share))| {
+            let how = match *name {
+                "melting" => "the shaft hotter than its melting point",
+                "yield" => "the shaft pressed beyond its yield strength",
+                _ => "the bush turned further than the model holds",
+            };
+            let of_points = if index == 0 { " of the points" } else { "" };
+            // few are not none
+            let percent = (1000.0 * share).round().max(1.0) / 10.0;
+            format!("{how} at {}\u{a0}%{of_points}", number(percent))
+        })
+        .collect();
+    (!parts.is_empty()).then(|| format!("Fiction: {}.", parts.join(", ")))
 }
 
 /// The words of an axis, and what its values are multiplied with to be in the unit that the words tell.
@@ -28,7 +50,11 @@ impl AxisLabel {
     pub fn of(axis: &Axis, at: &Fixed) -> Self {
         let coordinate = axis.coordinate;
         // The table of parameters is in ASCII, for terminals.
-        let meaning = coordinate.meaning().replace("epsilon", "ε").replace("h1", "h₁");
+        let meaning = [("epsilon", "ε"), ("h1", "h₁"), ("ramp_rate", "δ"), ("tau^2", "τ²")]
+            .iter()
+            .fold(coordinate.meaning().to_owned(), |words, (name, symbol)| {
+                words.replace(name, symbol)
+            });
         let unit = Unit::suited(at.unit(coordinate), axis.start.abs().max(axis.stop.abs()));
         Self {
             words: format!("{meaning}, {}{}", coordinate.symbol(), unit.bracketed()),
@@ -39,7 +65,7 @@ impl AxisLabel {
 
 /// `symbol = value`, without a break within.
 pub fn assignment(parameter: Parameter, value: f64) -> String {
-    format!("{}\u{a0}=\u{a0}{}", parameter.info().symbol, number(value))
+    format!("{}\u{a0}=\u{a0}{}", parameter.info().symbol, number(rounded(value)))
 }
 
 /// As [`assignment`], with the unit of a machine's quantity.
@@ -173,6 +199,14 @@ fn backends(map: &ParameterMap) -> Vec<String> {
         .collect()
 }
 
+/// Where instances were integrated, and in which number type.
+pub fn integrated_on(kinds: impl Iterator<Item = BackendKind>) -> String {
+    let mut names: Vec<String> = kinds.filter_map(|kind| backend(kind.name())).collect();
+    names.sort_unstable();
+    names.dedup();
+    format!("integrated on {}", names.join(" and "))
+}
+
 /// `cpu_f64` as `CPU (f64)`; None if it is no backend's name.
 pub fn backend(name: &str) -> Option<String> {
     let (device, precision) = name
@@ -187,4 +221,24 @@ pub fn capitalised(text: &str) -> String {
     letters
         .next()
         .map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn devices_and_number_types_are_told_once() {
+        use BackendKind::{CpuF64, GpuF32};
+        assert_eq!(integrated_on([CpuF64, CpuF64].into_iter()), "integrated on CPU (f64)");
+        assert_eq!(
+            integrated_on([GpuF32, CpuF64, GpuF32].into_iter()),
+            "integrated on CPU (f64) and GPU (f32)"
+        );
+    }
+
+    #[test]
+    fn rounding_errors_are_not_written() {
+        assert_eq!(assignment(Parameter::X0, 0.1 + 0.2), "x₀\u{a0}=\u{a0}0.3");
+    }
 }

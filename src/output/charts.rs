@@ -6,12 +6,16 @@ use super::caption::{AxisLabel, assigned};
 use super::colour;
 use super::density::Density;
 use super::panel::{Layer, Panel, Scale, Stroke};
+use super::ticks::number;
+pub use super::ticks::rounded;
 use crate::analysis::bifurcation::Diagram;
 use crate::analysis::exponents::Line;
 use crate::analysis::melnikov::Curve;
 use crate::analysis::onset::Found;
 use crate::analysis::path::PathPoint;
+use crate::machine::units::five_digits;
 use crate::measurement::Measurement;
+use crate::model::melnikov::Threshold;
 
 /// Ends of an axis that are given beforehand; None takes them from the data.
 pub type Limits = Option<[f64; 2]>;
@@ -19,6 +23,7 @@ pub type Limits = Option<[f64; 2]>;
 const ANGLE: &str = "angle of the bush, x";
 const SPEED: &str = "angular speed of the bush, y";
 const STROBOSCOPIC: &str = "at drive phase 0";
+const ALL_LEFT: &str = "every orbit ran away or was given up as under-resolved";
 
 pub(super) fn scale(label: &str, limits: Limits, values: impl Iterator<Item = f64>) -> Scale {
     match limits {
@@ -43,6 +48,9 @@ fn scale_of_states(label: &str, limits: Limits, values: impl Iterator<Item = f64
 pub(super) fn colour_of(index: usize) -> colour::Rgb {
     colour::PERIODS[index % colour::PERIODS.len()]
 }
+
+/// Curves that can be told apart in one picture: each colour solid and dashed.
+pub const MOST_CURVES: usize = 2 * colour::PERIODS.len();
 
 /// Grey, for zero lines.
 pub(super) const FAINT: colour::Rgb = [0x80, 0x80, 0x80];
@@ -77,6 +85,7 @@ pub fn melnikov(title: &str, curves: &[(String, Vec<[f64; 2]>)], limits: Limits)
             points().map(|point| point[1]).chain([0.0]),
         ),
         layers,
+        nothing: "no curve has a value".to_owned(),
     }
 }
 
@@ -96,32 +105,54 @@ pub fn threshold(curve: &Curve) -> Panel {
         curve.over.start.min(curve.over.stop),
         curve.over.start.max(curve.over.stop),
     );
-    let info = curve.search.parameter.info();
+    let symbol = curve.search.parameter.info().symbol;
+    let y_label = format!("threshold in {symbol}");
+    let searched = [curve.search.low, curve.search.high];
+    let is_below = |threshold: &Threshold| *threshold == Threshold::BelowRange;
+    let how = match curve.thresholds.iter().filter(|threshold| is_below(threshold)).count() {
+        0 => "changes sign nowhere",
+        all if all == curve.thresholds.len() => "changes sign at the lower end already",
+        _ => "changes sign nowhere, or at the lower end already",
+    };
     Panel {
         title: String::new(),
         x: Scale::new(&label.words, label.factor * low, label.factor * high),
-        y: Scale::around(
-            &format!("threshold in {}", info.symbol),
-            points.iter().map(|point| point[1]),
-        ),
+        y: if points.iter().any(|point| point[1].is_finite()) {
+            Scale::around(&y_label, points.iter().map(|point| point[1]))
+        } else {
+            Scale::new(&y_label, searched[0], searched[1])
+        },
         layers: vec![Layer::Curve {
             name: "from here upward Mel'nikov's function changes sign".to_owned(),
             points,
             stroke: Stroke::solid(colour_of(0), 2.0),
         }],
+        nothing: format!(
+            "Mel'nikov's function {how} for {symbol} from {} to {}",
+            number(searched[0]),
+            number(searched[1])
+        ),
     }
 }
 
-/// Named orbits in the phase plane with their stroboscopic points.
+/// Named orbits in the phase plane with their stroboscopic points; those beyond the colours are dashed.
 pub fn phase(title: &str, orbits: &[(String, Vec<PathPoint>)], x: Limits, y: Limits) -> Panel {
     let points = || orbits.iter().flat_map(|(_, path)| path.iter());
-    let curves = orbits.iter().enumerate().map(|(index, (name, path))| Layer::Curve {
-        name: name.clone(),
-        points: path.iter().map(|point| [point.x, point.y]).collect(),
-        stroke: Stroke::solid(colour_of(index), if orbits.len() > 1 { 1.0 } else { 0.8 }),
+    let stroke = |index: usize| Stroke {
+        colour: colour_of(index),
+        width: if orbits.len() > 1 { 1.0 } else { 0.8 },
+        is_dashed: index >= colour::PERIODS.len(),
+    };
+    // what wanders most lies lowest: a cycle would vanish under a chaotic orbit
+    let mut from_below: Vec<usize> = (0..orbits.len()).collect();
+    from_below.sort_by_key(|&index| std::cmp::Reverse(distinct_states(&orbits[index].1)));
+    let curves = from_below.iter().map(|&index| Layer::Curve {
+        name: String::new(),
+        points: orbits[index].1.iter().map(|point| [point.x, point.y]).collect(),
+        stroke: stroke(index),
     });
-    let strobes = orbits.iter().enumerate().map(|(index, (_, path))| {
-        let strobes = path.iter().filter(|point| point.is_stroboscopic);
+    let strobes = from_below.iter().map(|&index| {
+        let strobes = orbits[index].1.iter().filter(|point| point.is_stroboscopic);
         Layer::Marks {
             name: String::new(),
             points: strobes.map(|point| [point.x, point.y]).collect(),
@@ -129,19 +160,29 @@ pub fn phase(title: &str, orbits: &[(String, Vec<PathPoint>)], x: Limits, y: Lim
             radius: 3.5,
         }
     });
-    // one legend entry for all orbits
-    let legend_of_marks = Layer::Marks {
+    let drawn = orbits.iter().enumerate().filter(|(_, (_, path))| !path.is_empty());
+    let keys = drawn.map(|(index, (name, _))| Layer::CurveKey {
+        name: name.clone(),
+        stroke: stroke(index),
+    });
+    let key_of_marks = points().any(|point| point.is_stroboscopic).then(|| Layer::MarkKey {
         name: STROBOSCOPIC.to_owned(),
-        points: Vec::new(),
         colour: [0x30; 3],
-        radius: 3.5,
-    };
+    });
     Panel {
         title: title.to_owned(),
         x: scale_of_states(ANGLE, x, points().map(|point| point.x)),
         y: scale_of_states(SPEED, y, points().map(|point| point.y)),
-        layers: curves.chain(strobes).chain([legend_of_marks]).collect(),
+        layers: curves.chain(strobes).chain(keys).chain(key_of_marks).collect(),
+        nothing: "no orbit lasts".to_owned(),
     }
+}
+
+/// Stroboscopic states that differ, to three digits: few of a cycle, many of a chaotic orbit.
+fn distinct_states(path: &[PathPoint]) -> usize {
+    let strobes = path.iter().filter(|point| point.is_stroboscopic);
+    let states = strobes.map(|point| [point.x, point.y].map(|value| (1e3 * value).round() as i64));
+    states.collect::<std::collections::BTreeSet<_>>().len()
 }
 
 fn darker(colour: colour::Rgb) -> colour::Rgb {
@@ -171,6 +212,7 @@ pub fn section(title: &str, points: &[[f64; 2]], x: Limits, y: Limits, frame: [u
         x,
         y,
         layers: vec![Layer::Density(density)],
+        nothing: ALL_LEFT.to_owned(),
     }
 }
 
@@ -213,27 +255,35 @@ pub fn bifurcation(title: &str, diagram: &Diagram, component: Component, limits:
         x: Scale::new(&label.words, ends[0], ends[1]),
         y,
         layers: vec![Layer::Density(density)],
+        nothing: ALL_LEFT.to_owned(),
     }
 }
 
 /// Standard errors that a band is wide to either side.
 const BAND: f64 = 2.0;
 
-/// The exponents over the axis of a line, with error bands and the onset of chaos. With heat there is no second one, and one
-/// of finite time has no error: what is nowhere on the line is neither drawn nor named.
+/// The exponents over the axis of a line, with error bands and the onset of chaos; in 1/s where there is a machine, by the
+/// machine of each point. With heat there is no second one, and one of finite time has no error: what is nowhere on the line
+/// is neither drawn nor named.
 pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits) -> Panel {
     let axis = &line.axis;
     let label = AxisLabel::of(axis, &line.fixed);
     let value_at = |index: usize| label.factor * axis.value(index);
+    let rate_at = |index: usize| {
+        let at = line.fixed.at([(axis.coordinate, axis.value(index))]);
+        at.machine().map_or(1.0, |machine| 1.0 / machine.scales().time)
+    };
     let curve = |value: fn(&Measurement) -> f64| -> Vec<[f64; 2]> {
         let points = line.measurements.iter().enumerate();
-        points.map(|(index, m)| [value_at(index), value(m)]).collect()
+        points
+            .map(|(index, m)| [value_at(index), rate_at(index) * value(m)])
+            .collect()
     };
     let band = |value: fn(&Measurement) -> [f64; 2]| -> Vec<[f64; 3]> {
         let points = line.measurements.iter().enumerate();
         points
             .map(|(index, m)| {
-                let [value, error] = value(m);
+                let [value, error] = value(m).map(|value| rate_at(index) * value);
                 [value_at(index), value - BAND * error, value + BAND * error]
             })
             .collect()
@@ -242,16 +292,20 @@ pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits
     let (low, high) = (axis.start.min(axis.stop), axis.start.max(axis.stop));
     let (low, high) = (label.factor * low, label.factor * high);
     let occurs = |value: fn(&Measurement) -> f64| line.measurements.iter().any(|m| value(m).is_finite());
-    let has_second = occurs(|m| m.lyapunov_second);
-    let bands = match (occurs(|m| m.lyapunov_error), has_second) {
+    let (lasts, has_second) = (occurs(|m| m.lyapunov_error), occurs(|m| m.lyapunov_second));
+    let bands = match (lasts, has_second) {
         (true, true) => " (bands: ± 2 standard errors)",
         (true, false) => " (band: ± 2 standard errors)",
-        (false, _) => "",
+        (false, _) => ", of finite time",
     };
     let mut layers = vec![
         Layer::Curve {
             name: "λ₃ = 0, along the flow".to_owned(),
-            points: vec![[low, 0.0], [high, 0.0]],
+            points: if lasts {
+                vec![[low, 0.0], [high, 0.0]]
+            } else {
+                Vec::new()
+            },
             stroke: Stroke::solid(third, 1.2),
         },
         Layer::Band {
@@ -288,16 +342,21 @@ pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits
         });
     }
     let with_band = |value: f64, error: f64| [value, value - BAND * error, value + BAND * error];
-    let values = line.measurements.iter().flat_map(|m| {
+    let values = line.measurements.iter().enumerate().flat_map(|(index, m)| {
         let first = with_band(m.lyapunov, m.lyapunov_error);
         let second = with_band(m.lyapunov_second, m.lyapunov_second_error);
-        first.into_iter().chain(second).chain([0.0])
+        let all = first.into_iter().chain(second).filter(|value| value.is_finite());
+        // zero is shown where anything is
+        all.flat_map(move |value| [rate_at(index) * value, 0.0])
     });
+    let unit = if line.fixed.machine().is_some() { "1/s" } else { "1/τ" };
+    let y_label = format!("Lyapunov exponents ({unit})");
     Panel {
         title: title.to_owned(),
         x: Scale::new(&label.words, low, high),
-        y: scale("Lyapunov exponents (1/τ)", limits, values),
+        y: scale(&y_label, limits, values.into_iter()),
         layers,
+        nothing: ALL_LEFT.to_owned(),
     }
 }
 
@@ -310,22 +369,86 @@ pub fn outside(panel: &Panel) -> usize {
     panel.layers.iter().map(of_layer).sum()
 }
 
-/// The value without rounding errors in its last digits.
-pub fn rounded(value: f64) -> f64 {
-    format!("{value:.9e}").parse().unwrap_or(value)
-}
-
-/// The initial state as captions name it.
-pub fn start([x, y]: [f64; 2]) -> String {
-    format!("({x}, {y})").replace('-', "\u{2212}")
+/// The initial state as captions name it, to five digits: the recipe beside them has all.
+pub fn start(state: [f64; 2]) -> String {
+    let [x, y] = state.map(|value| number(five_digits(value)));
+    format!("({x}, {y})")
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::sheet::Sheet;
     use super::*;
+    use crate::analysis::melnikov::threshold_curve;
     use crate::grid::Axis;
     use crate::measurement::{BackendKind, Status};
-    use crate::parameters::ParameterSet;
+    use crate::model::melnikov::Search;
+    use crate::parameters::{Parameter, ParameterSet};
+
+    fn svg(panel: Panel) -> String {
+        Sheet::single(panel, Vec::new()).draw().unwrap().svg
+    }
+
+    fn state(x: f64) -> PathPoint {
+        PathPoint {
+            tau: 0.0,
+            x,
+            y: x,
+            is_stroboscopic: true,
+        }
+    }
+
+    #[test]
+    fn orbits_are_told_apart_and_stand_in_the_legend_in_their_order() {
+        let orbits: Vec<(String, Vec<PathPoint>)> = (0..MOST_CURVES)
+            .map(|index| (format!("orbit {index}"), (0..=index).map(|k| state(k as f64)).collect()))
+            .collect();
+        let panel = phase("", &orbits, None, None);
+        let keys: Vec<(String, Stroke)> = panel
+            .layers
+            .iter()
+            .filter_map(|layer| match layer {
+                Layer::CurveKey { name, stroke } => Some((name.clone(), *stroke)),
+                _ => None,
+            })
+            .collect();
+        let names = orbits.iter().map(|(name, _)| name);
+        assert!(keys.iter().map(|(name, _)| name).eq(names));
+        for (index, (_, one)) in keys.iter().enumerate() {
+            assert!(keys[..index].iter().all(|(_, other)| one != other), "{index}");
+        }
+        // the orbit of the most states lies lowest
+        let Layer::Curve { points, .. } = &panel.layers[0] else {
+            panic!("curves come first")
+        };
+        assert_eq!(points.len(), MOST_CURVES);
+    }
+
+    #[test]
+    fn orbits_that_ran_away_have_neither_axes_nor_a_legend() {
+        let svg = svg(phase("", &[("an orbit".to_owned(), Vec::new())], None, None));
+        assert!(svg.contains("nothing to draw: every orbit ran away"));
+        assert!(!svg.contains("an orbit") && !svg.contains(STROBOSCOPIC) && !svg.contains(">0.5<"));
+    }
+
+    #[test]
+    fn a_threshold_that_is_nowhere_has_the_axis_that_was_searched() {
+        let at = ParameterSet::default().into();
+        let over = Axis::parse("h1=0:2:5").unwrap();
+        let search = |low, high| Search::new(Parameter::ZetaK, low, high).unwrap();
+        let panel = threshold(&threshold_curve(&at, &search(0.0, 1.0), &over).unwrap());
+        assert_eq!([panel.y.low, panel.y.high], [0.0, 1.0]);
+        let empty = svg(panel);
+        assert!(empty.contains("changes sign nowhere for ζₖ from 0 to 1") && !empty.contains("from here upward"));
+        let found = svg(threshold(&threshold_curve(&at, &search(0.0, 20.0), &over).unwrap()));
+        assert!(found.contains("from here upward") && !found.contains("nothing to draw"));
+    }
+
+    #[test]
+    fn initial_states_have_the_digits_that_people_read() {
+        assert_eq!(start([0.30000000000000004, -1.0]), "(0.3, \u{2212}1)");
+        assert_eq!(start([0.374_540_118_847_362_5, 0.0]), "(0.37454, 0)");
+    }
 
     #[test]
     fn the_states_of_a_cycle_do_not_shrink_their_axes() {

@@ -8,7 +8,7 @@ use super::colour::Rgb;
 use super::plot::Layout;
 use super::svg::{hex, line, upright, words};
 use super::text::{widest, wrap};
-use super::ticks::{Tick, number, ticks};
+use super::ticks::{Tick, number, rounded, ticks};
 
 /// A colour bar from `low` to `high`.
 pub struct Bar {
@@ -87,7 +87,7 @@ impl Bar {
             let near = inner
                 .iter()
                 .find(|tick| (tick.value - value).abs() < 1e-6 * (self.high - self.low));
-            let label = near.map_or_else(|| number(shortened(value)), |tick| tick.label.clone());
+            let label = near.map_or_else(|| number(rounded(value)), |tick| tick.label.clone());
             let label = if beyond { format!("{sign}\u{a0}{label}") } else { label };
             (Tick { value, label }, place(value))
         };
@@ -105,9 +105,4 @@ impl Bar {
         scale.extend([low, high]);
         scale
     }
-}
-
-/// The value without the last digits, which are rounding errors of the limits' choice.
-fn shortened(value: f64) -> f64 {
-    format!("{value:.9e}").parse().unwrap_or(value)
 }

@@ -10,6 +10,8 @@ use crate::machine::units::{Unit, si};
 
 const TIME: &str = "time τ";
 
+const NOTHING: &str = "there is no sample";
+
 /// Words of the axes.
 pub const PRESSURE: &str = "pressure p";
 pub const WEAR: &str = "wear u_w";
@@ -128,6 +130,7 @@ pub fn stacked(history: &History, scales: Option<&Scales>) -> Vec<Panel> {
             },
             y: Scale::around(&label, history.samples.iter().map(value)),
             layers,
+            nothing: NOTHING.to_owned(),
         }
     });
     panels.collect()
@@ -165,6 +168,7 @@ pub fn courses(label: &str, courses: &[Course], x: Limits, y: Limits) -> Panel {
         x: scale(TIME, x, points().map(|point| point[0])),
         y: scale(label, y, points().map(|point| point[1])),
         layers: layers.collect(),
+        nothing: NOTHING.to_owned(),
     }
 }
 
@@ -229,7 +233,7 @@ mod tests {
             );
             assert_eq!(panels.iter().filter(|panel| !panel.x.is_bare).count(), 1);
             let figure = Sheet::stacked(panels, vec!["a caption".to_owned()]).draw().unwrap();
-            assert_eq!(figure.svg.matches("τ_c = 7.250").count(), 1);
+            assert_eq!(figure.svg.matches("> = 7.250<").count(), 1);
             assert_eq!(figure.svg.matches(">time τ<").count(), 1);
             let tree = resvg::usvg::Tree::from_str(&figure.svg, text::options()).unwrap();
             let bounds = tree.root().abs_layer_bounding_box();

@@ -19,6 +19,8 @@ pub struct Scale {
     pub high: f64,
     /// Whether ticks have no numbers and the axis no words: a panel below has the same scale.
     pub is_bare: bool,
+    /// Whether no value tells where the ends are: there are no ticks.
+    pub is_blank: bool,
 }
 
 impl Scale {
@@ -28,6 +30,7 @@ impl Scale {
             low,
             high,
             is_bare: false,
+            is_blank: false,
         }
     }
 
@@ -37,14 +40,19 @@ impl Scale {
         Self { is_bare: true, ..self }
     }
 
-    /// Ends a little beyond the finite ones of the values; around a single value, or 0, where there is no extent.
+    /// Ends a little beyond the finite ones of the values; around a single value where there is no extent; blank without any.
     pub fn around(label: &str, values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = values
             .filter(|value| value.is_finite())
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
                 (low.min(value), high.max(value))
             });
-        let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
+        if low > high {
+            return Self {
+                is_blank: true,
+                ..Self::new(label, 0.0, 1.0)
+            };
+        }
         let margin = if high > low {
             0.04 * (high - low)
         } else {
@@ -56,6 +64,11 @@ impl Scale {
     /// Position of a value, 0 at the lower end and 1 at the upper.
     fn part(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
+    }
+
+    /// Whether some value between two, which are no numbers where there is none, lies on the axis.
+    fn meets(&self, [one, other]: [f64; 2]) -> bool {
+        one.min(other) <= self.high && one.max(other) >= self.low
     }
 }
 
@@ -128,6 +141,10 @@ pub enum Layer {
     Level { y: f64, stroke: Stroke },
     /// A line up the frame, and words above it, where they hide nothing.
     Flag { x: f64, words: String, stroke: Stroke },
+    /// An entry of the legend alone, for a curve whose layer does not stand in the legend's order.
+    CurveKey { name: String, stroke: Stroke },
+    /// An entry of the legend alone, for marks of several colours.
+    MarkKey { name: String, colour: Rgb },
 }
 
 /// A frame with axes and what lies within.
@@ -137,6 +154,8 @@ pub struct Panel {
     pub x: Scale,
     pub y: Scale,
     pub layers: Vec<Layer>,
+    /// Why there are no values, if there are none.
+    pub nothing: String,
 }
 
 const TICK_SIZE: f64 = 15.0;
@@ -186,9 +205,45 @@ impl Panel {
 
     fn density(&self) -> Option<&Density> {
         self.layers.iter().find_map(|layer| match layer {
-            Layer::Density(density) => Some(density),
+            Layer::Density(density) if density.most() > 0 => Some(density),
             _ => None,
         })
+    }
+
+    /// Whether something of a layer lies within the frame; lines across it, which mark a place, do not count.
+    fn shows(&self, layer: &Layer) -> bool {
+        let is_within = |[x, y]: [f64; 2]| self.x.meets([x, x]) && self.y.meets([y, y]);
+        match layer {
+            Layer::Curve { points, .. } => {
+                points.iter().any(|&point| is_within(point))
+                    || points.windows(2).any(|ends| {
+                        ends.iter().flatten().all(|value| value.is_finite())
+                            && [&self.x, &self.y]
+                                .iter()
+                                .enumerate()
+                                .all(|(axis, scale)| scale.meets([ends[0][axis], ends[1][axis]]))
+                    })
+            }
+            Layer::Band { points, .. } => points
+                .iter()
+                .any(|&[x, low, high]| self.x.meets([x, x]) && self.y.meets([low, high])),
+            Layer::Marks { points, .. } => points.iter().any(|&point| is_within(point)),
+            Layer::Density(density) => density.most() > 0,
+            Layer::Level { .. } | Layer::Flag { .. } | Layer::CurveKey { .. } | Layer::MarkKey { .. } => false,
+        }
+    }
+
+    /// What is said within a frame in which there is nothing.
+    fn notice(&self) -> Option<String> {
+        if self.layers.iter().any(|layer| self.shows(layer)) {
+            return None;
+        }
+        let reason = if self.layers.iter().any(has_values) {
+            "all of it lies outside the frame"
+        } else {
+            &self.nothing
+        };
+        Some(format!("nothing to draw: {reason}"))
     }
 
     /// Draws the panel with its frame at [left, top, width, height], and the words of its y axis so far to the left that
@@ -221,6 +276,14 @@ impl Panel {
             let at = (left + self.x.part(x) * frame_width - 6.0).min(room).max(clear);
             words(svg, text, at, top - 0.55 * LABEL_SIZE, TICK_SIZE, "start");
             clear = at + width(text, TICK_SIZE) + 16.0;
+        }
+        if let Some(notice) = self.notice() {
+            let lines = wrap(&notice, LABEL_SIZE, frame_width - 2.0 * LABEL_SIZE);
+            let first = top + 0.5 * frame_height - 0.5 * (lines.len() - 1) as f64 * LINE;
+            for (index, line) in lines.iter().enumerate() {
+                let y = first + index as f64 * LINE + 0.36 * LABEL_SIZE;
+                words(svg, line, left + 0.5 * frame_width, y, LABEL_SIZE, "middle");
+            }
         }
         self.draw_axes(svg, frame, numbers);
         if let Some(density) = self.density() {
@@ -290,6 +353,7 @@ impl Panel {
                     stroke.attributes()
                 );
             }
+            Layer::CurveKey { .. } | Layer::MarkKey { .. } => {}
         }
         Ok(())
     }
@@ -332,11 +396,15 @@ impl Panel {
         }
     }
 
-    /// The layers with a name, in rows that fit under the frame.
+    /// The layers with a name of which there is something to see, in rows that fit under the frame.
     fn legend_rows(&self, frame_width: f64) -> Vec<Vec<&Layer>> {
         let mut rows: Vec<Vec<&Layer>> = Vec::new();
         let mut room = 0.0;
-        for layer in self.layers.iter().filter(|layer| !name(layer).is_empty()) {
+        let is_entry = |layer: &&Layer| {
+            let is_key = matches!(layer, Layer::CurveKey { .. } | Layer::MarkKey { .. });
+            !name(layer).is_empty() && (is_key || self.shows(layer))
+        };
+        for layer in self.layers.iter().filter(is_entry) {
             let entry = entry_width(layer);
             if rows.is_empty() || entry > room {
                 rows.push(Vec::new());
@@ -352,8 +420,24 @@ impl Panel {
 
 fn name(layer: &Layer) -> &str {
     match layer {
-        Layer::Curve { name, .. } | Layer::Band { name, .. } | Layer::Marks { name, .. } => name,
+        Layer::Curve { name, .. }
+        | Layer::Band { name, .. }
+        | Layer::Marks { name, .. }
+        | Layer::CurveKey { name, .. }
+        | Layer::MarkKey { name, .. } => name,
         Layer::Density(_) | Layer::Level { .. } | Layer::Flag { .. } => "",
+    }
+}
+
+/// Whether a layer has values, wherever they lie.
+fn has_values(layer: &Layer) -> bool {
+    match layer {
+        Layer::Curve { points, .. } | Layer::Marks { points, .. } => {
+            points.iter().any(|point| point.iter().all(|value| value.is_finite()))
+        }
+        Layer::Band { points, .. } => points.iter().any(|point| point.iter().all(|value| value.is_finite())),
+        Layer::Density(density) => density.most() > 0 || density.outside() > 0,
+        Layer::Level { .. } | Layer::Flag { .. } | Layer::CurveKey { .. } | Layer::MarkKey { .. } => false,
     }
 }
 
@@ -363,7 +447,7 @@ fn entry_width(layer: &Layer) -> f64 {
 
 fn draw_swatch(svg: &mut String, layer: &Layer, x: f64, middle: f64) {
     match layer {
-        Layer::Curve { stroke, .. } => {
+        Layer::Curve { stroke, .. } | Layer::CurveKey { stroke, .. } => {
             let stroke = Stroke {
                 width: stroke.width.max(1.6),
                 ..*stroke
@@ -383,12 +467,11 @@ fn draw_swatch(svg: &mut String, layer: &Layer, x: f64, middle: f64) {
                 hex(*colour)
             );
         }
-        Layer::Marks { colour, radius, .. } => {
+        Layer::Marks { colour, .. } | Layer::MarkKey { colour, .. } => {
             let _ = writeln!(
                 svg,
-                "<circle cx=\"{:.1}\" cy=\"{middle:.1}\" r=\"{}\" fill=\"{}\"/>",
+                "<circle cx=\"{:.1}\" cy=\"{middle:.1}\" r=\"3.5\" fill=\"{}\"/>",
                 x + 0.5 * SWATCH,
-                radius.max(3.0),
                 hex(*colour)
             );
         }
@@ -415,6 +498,9 @@ pub(super) fn path(places: impl Iterator<Item = (f64, f64)>) -> String {
 
 /// As many ticks as their labels leave room for.
 fn x_ticks(scale: &Scale, length: f64) -> Vec<Tick> {
+    if scale.is_blank {
+        return Vec::new();
+    }
     let fits = |ticks: &Vec<Tick>| {
         let widest = widest(ticks.iter().map(|tick| tick.label.as_str()), TICK_SIZE);
         ticks.len() as f64 * (widest + 22.0) <= length + widest
@@ -428,6 +514,9 @@ fn x_ticks(scale: &Scale, length: f64) -> Vec<Tick> {
 
 /// Ticks at a comfortable distance, or closer where a low frame would have fewer than three.
 fn y_ticks(scale: &Scale, length: f64) -> Vec<Tick> {
+    if scale.is_blank {
+        return Vec::new();
+    }
     let comfortable = ((length / 48.0) as usize).max(2);
     let closest = ((length / (1.5 * TICK_SIZE)) as usize).max(comfortable);
     (comfortable..=closest)

@@ -327,27 +327,35 @@ struct Shown {
 
 impl Shown {
     fn of(map: &ParameterMap, quantity: Quantity) -> Self {
-        let info = quantity.info();
-        if let (Some(values), Some(scale)) = (map.si_column(quantity), quantity.scale()) {
+        if let Some((values, unit)) = map.si_column(quantity) {
             let finite = values.iter().filter(|value| value.is_finite());
             let largest = finite.fold(0.0, |largest: f64, value| largest.max(value.abs()));
-            let unit = Unit::suited(scale.unit(), largest);
+            let unit = Unit::suited(unit, largest);
             return Self {
                 values: values.iter().map(|value| unit.factor * value).collect(),
-                label: format!("{}{}", quantity.si_label(), unit.bracketed()),
+                label: format!("{}{}", label(map, quantity), unit.bracketed()),
                 factor: unit.factor,
             };
         }
-        let units = if info.units == "1" {
-            String::new()
-        } else {
-            format!(" ({})", info.units.replace("tau", "τ"))
+        let units = match quantity.info().units {
+            "1" => String::new(),
+            units => format!(" ({})", units.replace("tau", "τ")),
         };
         Self {
             values: map.column(quantity).to_vec(),
-            label: format!("{}{units}", info.label),
+            label: format!("{}{units}", label(map, quantity)),
             factor: 1.0,
         }
+    }
+}
+
+/// What a quantity is called in pictures of a map.
+pub fn label(map: &ParameterMap, quantity: Quantity) -> &'static str {
+    let experiment = &map.experiment;
+    match quantity {
+        Quantity::Lyapunov if experiment.wears() => "Lyapunov exponent of finite time, λ₁",
+        _ if experiment.grid.fixed.machine().is_some() => quantity.si_label(),
+        _ => quantity.info().label,
     }
 }
 

@@ -94,6 +94,23 @@ fn the_threshold_lies_between_the_blocks_and_breaks_where_there_is_none() {
 }
 
 #[test]
+fn an_overlay_reaches_the_frame_where_it_ends_with_the_axes() {
+    let map = samples::map("zeta_k=0:3:4", "h1=0:3:4", &[-1.0; 16]);
+    let path = |points: Vec<[f64; 2]>| {
+        let overlay = Some(Overlay {
+            name: "theory".to_owned(),
+            points,
+        });
+        let figure = lyapunov_picture(&map, &Style { overlay, ..small() }).unwrap();
+        let line = figure.svg.lines().find(|line| line.contains("url(#map)")).unwrap();
+        line.matches('L').count()
+    };
+    // two steps, and one more at either end; in the middle of the map none
+    assert_eq!(path(vec![[1.0, 0.0], [1.5, 1.0], [2.0, 3.0]]), 4);
+    assert_eq!(path(vec![[1.0, 1.0], [1.5, 1.5], [2.0, 2.0], [f64::NAN, 3.0]]), 2);
+}
+
+#[test]
 fn the_legend_names_what_occurs_and_nothing_else() {
     let map = samples::map("zeta_k=0:3:4", "h1=0:1:2", &[-1.0, -0.5, 0.5, f64::NAN]);
     let svg = period_picture(&map, &small()).unwrap().svg;
@@ -167,10 +184,14 @@ fn a_machine_s_map_has_axes_and_values_in_si_units() {
         map.set(index, &measurement);
     }
     // the scale of pressure is proportional to the interference
-    let pressures = map.si_column(Quantity::PeakPressure).unwrap();
+    let (pressures, unit) = map.si_column(Quantity::PeakPressure).unwrap();
+    assert_eq!(unit, "Pa");
     assert!((pressures[0] / (50.0 * 365_384.615) - 1.0).abs() < 1e-8);
     assert!((pressures[29] / pressures[0] - 5.0).abs() < 1e-12);
-    assert!(map.si_column(Quantity::Lyapunov).is_none());
+    // t* is 17 ms
+    let (exponents, unit) = map.si_column(Quantity::Lyapunov).unwrap();
+    assert!(unit == "1/s" && (exponents[0] + 59.0).abs() < 0.1, "{}", exponents[0]);
+    assert!(map.si_column(Quantity::X).is_none());
     let svg = |quantity| quantity_picture(&map, quantity, &Style::default()).unwrap().svg;
     let pressure = svg(Quantity::PeakPressure);
     for words in [
@@ -180,14 +201,14 @@ fn a_machine_s_map_has_axes_and_values_in_si_units() {
         ">2.5<",
         "Machine with a shaft of steel of",
         "k₁\u{a0}=\u{a0}612\u{a0}kN/m²",
-        "k_w\u{a0}=\u{a0}0.010012",
+        "w</tspan><tspan dy=\"-2.38\">\u{a0}=\u{a0}0.010012",
     ] {
         assert!(pressure.contains(words), "{words}");
     }
     // neither what is an axis nor what changes along one is told as fixed
     assert!(!pressure.contains("Ωₐ\u{a0}=") && !pressure.contains("ζₖ\u{a0}=") && !pressure.contains("ε\u{a0}="));
     assert!(svg(Quantity::PeakTemperature).contains("rise of the surface temperature, T − T₀ (K)"));
-    assert!(svg(Quantity::Lyapunov).contains("(1/τ)"));
+    assert!(svg(Quantity::Lyapunov).contains("Lyapunov exponent of finite time, λ₁ (1/s)"));
     // limits are in Pa, whatever the prefix
     let style = Style {
         limits: Some((0.0, 4e7)),
@@ -220,5 +241,12 @@ fn fiction_is_counted_with_its_worst_point() {
     assert!(
         warnings[1].contains("365.38 MPa, and the shaft yields at 205 MPa"),
         "{warnings:?}"
+    );
+    let caption = caption::of(&map).join(" ");
+    assert!(
+        caption.contains(
+            "the shaft hotter than its melting point at 3.3\u{a0}% of the points, the shaft pressed beyond its yield strength at 60\u{a0}%"
+        ),
+        "{caption}"
     );
 }

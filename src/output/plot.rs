@@ -239,11 +239,15 @@ impl Plot {
             unit,
             ..
         } = *layout;
-        let places = overlay
+        let places: Vec<[f64; 2]> = overlay
             .points
             .iter()
-            .map(|&[x, y]| (self.x_pixel(x, layout), self.y_pixel(y, layout)));
-        let path = super::panel::path(places);
+            .map(|&[x, y]| [self.x_pixel(x, layout), self.y_pixel(y, layout)])
+            .collect();
+        let pieces = places.split(|place| place.iter().any(|pixel| !pixel.is_finite()));
+        let path: String = pieces
+            .map(|piece| super::panel::path(to_the_frame(piece, layout).map(|[x, y]| (x, y))))
+            .collect();
         let _ = writeln!(
             svg,
             "<clipPath id=\"map\"><rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\"/></clipPath>"
@@ -413,6 +417,27 @@ impl Plot {
         }
         y
     }
+}
+
+/// A piece of a curve in pixels. Where it ends with the axes, at the middle of an outermost point, it goes on straight for a
+/// point's size, which takes it to the frame.
+fn to_the_frame(piece: &[[f64; 2]], layout: &Layout) -> impl Iterator<Item = [f64; 2]> {
+    let (corner, size) = ([layout.left, layout.top], [layout.width, layout.height]);
+    let ends_with_the_axes = |place: [f64; 2]| {
+        (0..2).any(|axis| {
+            let (from_low, half) = (place[axis] - corner[axis], 0.5 * layout.cell[axis]);
+            from_low < half + 0.5 || from_low > size[axis] - half - 0.5
+        })
+    };
+    let beyond = |before: Option<&[f64; 2]>, end: Option<&[f64; 2]>| {
+        let (before, end) = (before?, end?);
+        let step = [end[0] - before[0], end[1] - before[1]];
+        let part = layout.cell[0].hypot(layout.cell[1]) / step[0].hypot(step[1]);
+        (ends_with_the_axes(*end) && part.is_finite()).then(|| [end[0] + part * step[0], end[1] + part * step[1]])
+    };
+    let first = beyond(piece.get(1), piece.first());
+    let last = beyond(piece.iter().rev().nth(1), piece.last());
+    first.into_iter().chain(piece.iter().copied()).chain(last)
 }
 
 fn dashes(unit: f64) -> String {

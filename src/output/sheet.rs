@@ -123,6 +123,7 @@ mod tests {
                     stroke: Stroke::dashed(colour::PERIODS[4], 1.5),
                 },
             ],
+            nothing: String::new(),
         }
     }
 
@@ -144,6 +145,44 @@ mod tests {
         let inked = |x: u32, y: u32| pixels.pixel(x, y).unwrap().red() < 128;
         let edges = (0..figure.height).any(|y| inked(0, y) || inked(figure.width - 1, y));
         assert!(!edges && (0..figure.width).any(|x| (0..figure.height).any(|y| inked(x, y))));
+    }
+
+    #[test]
+    fn an_empty_frame_says_so_and_has_neither_invented_ticks_nor_a_legend() {
+        let nowhere = |y: Scale, points: Vec<[f64; 2]>| Panel {
+            title: String::new(),
+            x: Scale::new("time τ", 0.0, 10.0),
+            y,
+            layers: vec![
+                Layer::Level {
+                    y: 0.0,
+                    stroke: Stroke::solid(colour::PERIODS[0], 1.0),
+                },
+                Layer::Density(Density::new([].into_iter(), [0.0, 10.0], [-1.0, 1.0], [62, 40])),
+                Layer::Curve {
+                    name: "a curve".to_owned(),
+                    points,
+                    stroke: Stroke::solid(colour::PERIODS[4], 1.5),
+                },
+            ],
+            nothing: "every orbit ran away".to_owned(),
+        };
+        let svg = |panel: Panel| Sheet::single(panel, Vec::new()).draw().unwrap().svg;
+        let empty = svg(nowhere(
+            Scale::around("angle x", [f64::NAN].into_iter()),
+            vec![[1.0, f64::NAN]; 3],
+        ));
+        assert!(empty.contains(">nothing to draw: every orbit ran away<"), "{empty}");
+        assert!(!empty.contains("a curve") && !empty.contains("states per pixel"));
+        // the ticks of the known axis alone
+        assert!(empty.contains(">10<") && !empty.contains(">0.5<") && !empty.contains(">1.0<"));
+        let outside = svg(nowhere(Scale::new("angle x", 5.0, 6.0), vec![[1.0, 1.0], [2.0, 4.0]]));
+        assert!(
+            outside.contains(">nothing to draw: all of it lies outside the frame<") && !outside.contains("a curve")
+        );
+        // no point within, but the line crosses the frame
+        let crossing = svg(nowhere(Scale::new("angle x", 5.0, 6.0), vec![[1.0, 1.0], [2.0, 9.0]]));
+        assert!(crossing.contains("a curve") && !crossing.contains("nothing to draw"));
     }
 
     #[test]

@@ -5,24 +5,38 @@
 use std::fmt::Write as _;
 
 use super::colour::Rgb;
-use super::text::escape;
+use super::text::{is_plain, marked_up, width};
 
 /// A line of text with its anchor, `start`, `middle` or `end`, on the baseline `y`.
 pub fn words(svg: &mut String, text: &str, x: f64, y: f64, size: f64, anchor: &str) {
-    let text = escape(text);
+    let (shift, anchor) = anchored(text, size, anchor);
+    let text = marked_up(text, size);
+    let x = x + shift;
     let _ = writeln!(
         svg,
         "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size}\" text-anchor=\"{anchor}\">{text}</text>"
     );
 }
 
+/// Where a text begins, from its anchor, and how it is anchored there. Some viewers anchor each run of a text by itself, so
+/// that one of several runs is laid from its start.
+fn anchored<'a>(text: &str, size: f64, anchor: &'a str) -> (f64, &'a str) {
+    match anchor {
+        "middle" if !is_plain(text) => (-0.5 * width(text, size), "start"),
+        "end" if !is_plain(text) => (-width(text, size), "start"),
+        anchor => (0.0, anchor),
+    }
+}
+
 /// Text that runs upwards, with its middle at `y`.
 pub fn upright(svg: &mut String, text: &str, x: f64, y: f64, size: f64) {
-    let text = escape(text);
+    let (shift, anchor) = anchored(text, size, "middle");
+    let text = marked_up(text, size);
+    let y = y - shift;
     let _ = writeln!(
         svg,
         "<text transform=\"translate({x:.1} {y:.1}) rotate(-90)\" font-size=\"{size}\" \
-         text-anchor=\"middle\">{text}</text>"
+         text-anchor=\"{anchor}\">{text}</text>"
     );
 }
 

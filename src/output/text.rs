@@ -1,12 +1,20 @@
-//! Text of figures: the font, how wide a text is, and its breaking into lines.
+//! Text of figures: the font, subscripts, how wide a text is, and its breaking into lines.
 //!
 //! Owns the embedded font, so that figures need none of the system's; places nothing.
+//!
+//! `k_w` and `x_{max}` are written with a subscript wherever a figure has text. Other underscores stay as they are.
 
 use std::sync::{Arc, LazyLock};
 
 use resvg::usvg::{self, fontdb};
 
 const FONT_FAMILY: &str = "DejaVu Sans";
+/// What viewers of an SVG file take where that is not installed: Verdana has the same widths.
+const FALL_BACK: &str = "Verdana, sans-serif";
+
+/// Size of subscripts and how far they are lowered, in parts of the text's size: as the font's own ₖ and ₁ are.
+const SUBSCRIPT_SIZE: f64 = 0.66;
+const SUBSCRIPT_DROP: f64 = 0.17;
 
 static OPTIONS: LazyLock<usvg::Options<'static>> = LazyLock::new(|| {
     let mut fonts = fontdb::Database::new();
@@ -27,13 +35,13 @@ pub fn options() -> &'static usvg::Options<'static> {
 pub fn document(width: u32, height: u32, content: &str) -> String {
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-         viewBox=\"0 0 {width} {height}\" font-family=\"{FONT_FAMILY}, sans-serif\">\n{content}</svg>\n"
+         viewBox=\"0 0 {width} {height}\" font-family=\"{FONT_FAMILY}, {FALL_BACK}\">\n{content}</svg>\n"
     )
 }
 
 /// Width of a line of text in pixels.
 pub fn width(text: &str, size: f64) -> f64 {
-    let content = format!("<text font-size=\"{size}\">{}</text>", escape(text));
+    let content = format!("<text font-size=\"{size}\">{}</text>", marked_up(text, size));
     usvg::Tree::from_str(&document(1, 1, &content), options())
         .map_or(0.0, |tree| f64::from(tree.root().abs_bounding_box().width()))
 }
@@ -63,7 +71,58 @@ pub fn wrap(text: &str, size: f64, limit: f64) -> Vec<String> {
     lines
 }
 
-pub fn escape(text: &str) -> String {
+/// Text as the content of an SVG element of a font size: subscripts are smaller runs that are moved down, which all viewers
+/// can do, unlike a shift of the baseline.
+pub fn marked_up(text: &str, size: f64) -> String {
+    let drop = SUBSCRIPT_DROP * size;
+    let mut svg = String::new();
+    let mut rest = text;
+    while let Some((before, subscript, after)) = split_at_subscript(rest) {
+        let is_lowered = rest.len() < text.len();
+        svg += &plain_run(before, drop, is_lowered);
+        let small = SUBSCRIPT_SIZE * size;
+        svg += &format!(
+            "<tspan dy=\"{drop:.2}\" font-size=\"{small:.2}\">{}</tspan>",
+            escape(subscript)
+        );
+        rest = after;
+    }
+    svg + &plain_run(rest, drop, rest.len() < text.len())
+}
+
+/// Whether text has no subscripts.
+pub fn is_plain(text: &str) -> bool {
+    split_at_subscript(text).is_none()
+}
+
+/// Text on the baseline, which is moved up again after a subscript.
+fn plain_run(text: &str, drop: f64, is_lowered: bool) -> String {
+    match (is_lowered, text) {
+        (_, "") => String::new(),
+        (true, text) => format!("<tspan dy=\"{:.2}\">{}</tspan>", -drop, escape(text)),
+        (false, text) => escape(text),
+    }
+}
+
+/// The text before the first subscript, the subscript, and what follows: `_` behind a letter and before one in braces, or
+/// before a single letter or digit that ends the word.
+fn split_at_subscript(text: &str) -> Option<(&str, &str, &str)> {
+    let is_of_word = |character: char| character.is_alphanumeric() || character == '_';
+    text.match_indices('_').find_map(|(at, _)| {
+        let (before, after) = (&text[..at], &text[at + 1..]);
+        if !before.ends_with(char::is_alphabetic) {
+            return None;
+        }
+        if let Some((subscript, after)) = after.strip_prefix('{').and_then(|inner| inner.split_once('}')) {
+            return Some((before, subscript, after));
+        }
+        let first = after.chars().next().filter(|first| first.is_alphanumeric())?;
+        let (subscript, after) = after.split_at(first.len_utf8());
+        (!after.starts_with(is_of_word)).then_some((before, subscript, after))
+    })
+}
+
+fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
@@ -86,6 +145,27 @@ mod tests {
         );
         assert_eq!(lines.join(" "), text);
         assert_eq!(wrap("incomprehensibilities of it", 15.0, 20.0).len(), 3);
+    }
+
+    #[test]
+    fn subscripts_are_smaller_runs_below_the_baseline() {
+        assert_eq!(
+            marked_up("wear u_w (m), u < 1", 10.0),
+            "wear u<tspan dy=\"1.70\" font-size=\"6.60\">w</tspan><tspan dy=\"-1.70\"> (m), u &lt; 1</tspan>"
+        );
+        assert_eq!(
+            marked_up("α_T", 10.0),
+            "α<tspan dy=\"1.70\" font-size=\"6.60\">T</tspan>"
+        );
+        assert_eq!(
+            marked_up("x_{max}", 10.0).replace("<tspan dy=\"1.70\" font-size=\"6.60\">", "["),
+            "x[max</tspan>"
+        );
+        assert_eq!(marked_up("k_w, U_w", 10.0).matches("<tspan").count(), 3);
+        for plain in ["ramp_rate", "_a", "a_", "a _b", "quasi_periodic k_", "1_000"] {
+            assert_eq!(marked_up(plain, 10.0), plain);
+        }
+        assert!(width("u_w", 10.0) < width("uw", 10.0));
     }
 
     /// A glyph that the font has not is drawn as an empty box, without an error.

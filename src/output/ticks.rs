@@ -9,12 +9,21 @@ pub struct Tick {
     pub label: String,
 }
 
-/// Multiples of 1, 2 or 5 times a power of ten in `low..=high`, about `most` of them or fewer.
+/// Multiples of 1, 2 or 5 times a power of ten in `low..=high`, as many as there can be up to `most` steps. Ends a little
+/// beyond round numbers make no difference, so that nearly equal axes have equal ticks.
 pub fn ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
-    let step = round_step((high - low) / most.max(1) as f64);
-    // A tick at an end must not be lost to rounding.
-    let first = (low / step - 1e-6).ceil() as i64;
-    let last = (high / step + 1e-6).floor() as i64;
+    let most = most.max(1);
+    let ends = |step: f64| {
+        // A tick at an end must not be lost to rounding.
+        let first = (low / step - 1e-6).ceil() as i64;
+        let last = (high / step + 1e-6).floor() as i64;
+        (first, last)
+    };
+    let coarse = round_step((high - low) / most as f64);
+    let fine = round_step((high - low) / (most + 1) as f64);
+    let (first, last) = ends(fine);
+    let step = if last - first <= most as i64 { fine } else { coarse };
+    let (first, last) = ends(step);
     let largest = low.abs().max(high.abs());
     (first..=last)
         .map(|k| {
@@ -56,6 +65,11 @@ fn label(value: f64, step: f64, largest: f64) -> String {
     let power = 10f64.powi(exponent);
     let mantissa = with_minus(format!("{:.*}", digits(step / power), value / power));
     format!("{mantissa}×10{}", superscript(exponent))
+}
+
+/// The value without rounding errors in its last digits.
+pub fn rounded(value: f64) -> f64 {
+    format!("{value:.9e}").parse().unwrap_or(value)
 }
 
 /// A number with all the digits that it has.
@@ -125,6 +139,8 @@ mod tests {
         );
         assert_eq!(labels(3.000, 3.001, 3), ["3.0000", "3.0005", "3.0010"]);
         assert_eq!(labels(-2e6, 0.0, 2), ["−2×10⁶", "−1×10⁶", "0"]);
+        // an axis that is half a point longer at either end
+        assert_eq!(labels(3.5, 4.0, 10), labels(3.4998, 4.0002, 10));
         for (low, high) in [(0.1, 0.7), (-1e-9, 1e-9), (1.0, 1000.0), (0.37, 0.3701), (-7.0, 123.4)] {
             for most in 1..12 {
                 let ticks = ticks(low, high, most);

@@ -11,6 +11,7 @@ use crate::backend::cpu::CpuBackend;
 use crate::dynamics::spectrum::lyapunov_spectrum;
 use crate::experiment::{Precision, Settings};
 use crate::grid::{Axis, Fixed};
+use crate::measurement::BackendKind;
 use crate::output::charts::{self, Component};
 use crate::output::panel::Panel;
 use crate::output::sheet::{BESIDE, Sheet};
@@ -266,7 +267,7 @@ pub fn figure_3_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
             "the paper's text and its other panel say 3.78",
         ),
     ];
-    Ok(Some(outcome(&work, &damped(0.0), drawn, rows)))
+    Ok(Some(outcome(&work, &damped(0.0), drawn, &[found.as_ref()], rows)))
 }
 
 pub fn figure_3_2(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<Outcome>, PaperError> {
@@ -319,7 +320,8 @@ pub fn figure_3_2(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
         ),
         trivial_exponent(effort),
     ];
-    Ok(Some(outcome(&work, &damped(0.0), drawn, rows)))
+    let onsets = [half.as_ref(), one.as_ref()];
+    Ok(Some(outcome(&work, &damped(0.0), drawn, &onsets, rows)))
 }
 
 /// Below the onset, from the paper's value on and a little under it: whether any of many initial states leads to chaos there.
@@ -390,18 +392,36 @@ fn trivial_exponent(effort: Effort) -> Row {
     )
 }
 
-fn outcome(work: &Work, at: &Fixed, drawn: [Drawn; 4], rows: Vec<Row>) -> Outcome {
+/// The initial states that marked onsets were found from, to stand behind the list of those that were tried.
+fn reached_from(onsets: &[Option<&Found>]) -> String {
+    let starts: Vec<String> = onsets
+        .iter()
+        .flatten()
+        .map(|found| charts::start(found.start))
+        .collect();
+    match &starts[..] {
+        [] => String::new(),
+        [first, rest @ ..] if rest.iter().all(|start| start == first) => format!(": that from {first}"),
+        starts => format!(": those from {}", starts.join(" and ")),
+    }
+}
+
+/// `onsets` are those that the panels are marked with, in the panels' order.
+fn outcome(work: &Work, at: &Fixed, drawn: [Drawn; 4], onsets: &[Option<&Found>], rows: Vec<Row>) -> Outcome {
     let (panels, data): (Vec<Panel>, Vec<Data>) = drawn.into_iter().unzip();
     let outside: usize = panels.iter().map(charts::outside).sum();
     let mut numerics = format!(
-        "All orbits from (x, y) = {}; {TRANSIENT} forcing periods of transient. Diagrams: {} states at each of {} values. \
-         Exponents: {MEASURED} measured periods at each of {} values. {}. Onsets: the first of {} initial states. As in Awrejcewicz and Pyryev (2006). ",
+        "Diagrams and exponents of orbits from (x, y) = {}, after {TRANSIENT} forcing periods; diagrams: {} states at each of {} \
+         values; exponents: {MEASURED} measured periods at each of {} values. Dashed lines: the least ζₖ at which an orbit from one \
+         of {} is chaotic{}. {}, {}. As in Awrejcewicz and Pyryev (2006). ",
         charts::start(START),
         work.states,
         work.columns,
         work.exponents,
+        STARTS.map(charts::start).join(", "),
+        reached_from(onsets),
         caption::scheme(&Settings::default()),
-        STARTS.len(),
+        caption::integrated_on([BackendKind::CpuF64].into_iter())
     );
     if outside > 0 {
         numerics += &format!("{outside} states lie outside the frames. ");

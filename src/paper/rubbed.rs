@@ -9,7 +9,7 @@ use crate::backend::cpu::CpuBackend;
 use crate::dynamics::history::{History, Sample, history};
 use crate::experiment::{Precision, Preset, Scheme, Settings};
 use crate::grid::Grid;
-use crate::measurement::{Class, Measurement};
+use crate::measurement::{BackendKind, Class, Measurement};
 use crate::output::histories::{self, Course, courses, curve};
 use crate::output::panel::Panel;
 use crate::output::sheet::Sheet;
@@ -72,6 +72,25 @@ fn curve_at(zeta_k: f64, gamma: f64, k_w: f64) -> ParameterSet {
         .with(Parameter::KW, k_w)
 }
 
+/// The index of a curve's colour, the same in all figures.
+fn colour(number: u32) -> usize {
+    number as usize - 1
+}
+
+/// What the paper's numbers of curves mean, for captions.
+fn numbering() -> String {
+    let amplitude = |zeta_k| caption::assignment(Parameter::ZetaK, zeta_k);
+    let heat = |gamma| caption::assignment(Parameter::Gamma, gamma);
+    format!(
+        "Curves are numbered as in the paper: 1 ({}) and 2 ({}) without frictional heat ({}), 3 and 4 at the same amplitudes \
+         with it ({}).",
+        amplitude(LOW),
+        amplitude(HIGH),
+        heat(0.0),
+        heat(HEATED)
+    )
+}
+
 /// The paper's number of a curve and its amplitude.
 fn name(number: u32, zeta_k: f64) -> String {
     format!("{number}: {}", caption::assignment(Parameter::ZetaK, zeta_k))
@@ -97,10 +116,9 @@ const SHOWN: u32 = 4;
 /// A curve of figure 5.1: its number, amplitude and gamma, and what the paper calls its motion.
 type Orbit = (u32, f64, f64, &'static str);
 
-/// The chaotic one first, so that the others lie over it.
 const ORBITS: [Orbit; 4] = [
-    (2, HIGH, 0.0, "chaotic"),
     (1, LOW, 0.0, "regular"),
+    (2, HIGH, 0.0, "chaotic"),
     (3, LOW, HEATED, "subharmonic, omega_0/2"),
     (4, HIGH, HEATED, "periodic"),
 ];
@@ -186,7 +204,7 @@ const NEAR: f64 = 0.01;
 pub fn figure_5_2(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<Outcome>, PaperError> {
     let work = Work::new(effort);
     let (mut drawn, mut rows, mut columns) = (Vec::new(), Vec::new(), table(&["curve", "tau", "pressure", "wear"]));
-    for (index, (number, zeta_k)) in [(1, LOW), (2, HIGH)].into_iter().enumerate() {
+    for (number, zeta_k) in [(1, LOW), (2, HIGH)] {
         let history = work.follow(&curve_at(zeta_k, 0.0, WORN), SETTLING);
         if observer().is_break() {
             return Ok(None);
@@ -200,7 +218,7 @@ pub fn figure_5_2(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
             drawn.push(Course {
                 name: format!("{quantity} of {name}"),
                 points: until(samples, PRESSURES_END, value),
-                colour: index,
+                colour: colour(number),
                 is_dashed,
             });
         }
@@ -264,7 +282,7 @@ pub fn figure_5_3(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
             drawn.push(Course {
                 name: name(4, zeta_k),
                 points: until(&history.samples, CONTACT_END, |sample| sample.pressure),
-                colour: 0,
+                colour: colour(4),
                 is_dashed: false,
             });
             columns.rows.extend(
@@ -307,10 +325,7 @@ pub fn figure_5_4(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
     let work = Work::new(effort);
     let (mut drawn, mut rows, mut columns) = (Vec::new(), Vec::new(), table(&["curve", "tau", "wear"]));
     let mut cold = None;
-    for (index, (number, zeta_k, gamma)) in [(2, HIGH, 0.0), (3, LOW, HEATED), (4, HIGH, HEATED)]
-        .into_iter()
-        .enumerate()
-    {
+    for (number, zeta_k, gamma) in [(2, HIGH, 0.0), (3, LOW, HEATED), (4, HIGH, HEATED)] {
         let periods = if gamma > 0.0 { beyond(CONTACT_END) } else { SETTLING };
         let history = work.follow(&curve_at(zeta_k, gamma, WORN), periods);
         if observer().is_break() {
@@ -327,7 +342,7 @@ pub fn figure_5_4(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
                 caption::assignment(Parameter::Gamma, gamma)
             ),
             points,
-            colour: index,
+            colour: colour(number),
             is_dashed: false,
         });
         let last = history.samples.last().map_or(f64::NAN, |sample| sample.wear);
@@ -398,7 +413,8 @@ fn single(panel: Panel, caption: Vec<String>, rows: Vec<Row>, data: Data) -> Out
     }
 }
 
-/// The caption of a figure whose curves differ in zeta_k and in what is `varied`.
+/// The caption of a figure whose curves differ in zeta_k and in what is `varied`; the numbers of all curves are told, since one
+/// number means one curve in all figures.
 fn words(at: &ParameterSet, varied: &[Parameter], id: &str, numerics: &str) -> Vec<String> {
     let settings = Settings::default()
         .for_model(true)
@@ -408,11 +424,13 @@ fn words(at: &ParameterSet, varied: &[Parameter], id: &str, numerics: &str) -> V
     shown.extend(varied);
     vec![
         caption::fixed(&(*at).into(), &shown),
+        numbering(),
         format!(
-            "{numerics}Biot number, ω̃ and the initial state are not in the paper, and reconstructed. {}, {} heat modes. As \
+            "{numerics}Biot number, ω̃ and the initial state are not in the paper, and reconstructed. {}, {} heat modes, {}. As \
              figure {id} of Awrejcewicz and Pyryev (2006). {PROGRAM}.",
             caption::scheme(&settings),
-            settings.modes
+            settings.modes,
+            caption::integrated_on([BackendKind::CpuF64].into_iter())
         ),
     ]
 }

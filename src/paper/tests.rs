@@ -2,6 +2,7 @@ use std::ops::ControlFlow;
 
 use super::table::{Row, Value, markdown};
 use super::*;
+use crate::output::panel::Layer;
 
 fn compute(id: &str) -> Outcome {
     let carry_on = &mut || ControlFlow::Continue(());
@@ -130,6 +131,36 @@ fn heat_removes_chaos() {
     }
     assert_number(&rows[5], -0.0808, 0.001);
     assert_number(&rows[7], -0.4474, 0.002);
+}
+
+#[test]
+fn a_curve_s_number_has_one_colour_in_all_figures_and_legends_run_upward() {
+    let mut colours = std::collections::BTreeMap::new();
+    for id in ["5.1", "5.2", "5.3", "5.4"] {
+        let sheet = compute(id).sheet;
+        assert!(
+            sheet.caption[1].starts_with("Curves are numbered as in the paper: 1 ("),
+            "{id}"
+        );
+        let mut last = 0;
+        for layer in &sheet.panels[0].layers {
+            let (Layer::Curve { name, stroke, .. } | Layer::CurveKey { name, stroke }) = layer else {
+                continue;
+            };
+            let Some((before, _)) = name.split_once(':') else {
+                continue;
+            };
+            let number: u32 = before.rsplit(' ').next().unwrap().parse().unwrap();
+            assert!(number >= last, "{id}: {name}");
+            last = number;
+            assert_eq!(
+                *colours.entry(number).or_insert(stroke.colour),
+                stroke.colour,
+                "{id}: {name}"
+            );
+        }
+    }
+    assert_eq!(colours.len(), 4);
 }
 
 #[test]
