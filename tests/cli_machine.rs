@@ -444,7 +444,7 @@ fn bad_machines_are_refused_with_a_reason_before_any_work() {
         (&["lyapunov", "--machine", m], "zeta_k follows from the machine"),
         (&["phase", "--machine", m], "wear_energy_share = 1"),
         (&["phase", "--machine", m, "--at", "spring_length=0.02,0.04"], "k* = -"),
-        (&["melnikov", "--machine", m], "gamma"),
+        (&["melnikov", "--machine", m], "wear_energy_share = 1"),
         (
             &["history", "--machine", m, "--set", "spring_free_length=0.02"],
             "k* = -",

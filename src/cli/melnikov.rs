@@ -16,8 +16,9 @@ use super::request::SubjectArgs;
 use super::{Failure, request};
 
 /// Mel'nikov's function measures, to first order in epsilon, the distance between the stable and the unstable manifold of the
-/// saddle at rest, with dry friction as sgn. Where it changes sign, chaos may occur. Only parameters of the reduced model
-/// enter; epsilon, epsilon_0 and the initial state do not.
+/// saddle at rest, with dry friction as sgn; as in the paper it is positive where the stable one has the greater energy. Where
+/// it changes sign, chaos may occur. Only parameters of the reduced model enter; epsilon, epsilon_0 and the initial state do
+/// not.
 #[derive(Args)]
 #[command(after_help = request::parameter_table())]
 pub struct MelnikovArgs {

@@ -1,8 +1,10 @@
 //! Mel'nikov's function of the reduced system (contact pressure p = 1), equations (4.1) to (4.4) and (A.1).
 //!
-//! Owns the function in two independent forms, its extremes over a drive period and its sign; draws no curves and runs no
-//! scans over grids. To first order in epsilon M(tau0) is the distance between the stable and the unstable manifold of the
-//! saddle at rest; where it changes sign they cross, and chaos may occur.
+//! Owns the function in two independent forms, its extremes over a drive period, its sign and threshold;
+//! draws no curves and runs no scans over grids. To first order in epsilon M(tau0) is the distance between the stable
+//! and the unstable manifold of the saddle at rest, with the paper's sign: epsilon M is the energy of the stable one less that
+//! of the unstable one, so that M is minus the usual integral of y0 (F - h1 y0). Where it changes sign they cross, and chaos
+//! may occur.
 
 mod extremes;
 mod integrals;
@@ -148,7 +150,8 @@ pub enum MelnikovError {
     #[error("b = {b}: Mel'nikov's function needs a homoclinic orbit, which the springs have for b > 0 only")]
     NoHomoclinicOrbit { b: f64 },
     #[error(
-        "Mel'nikov's function is that of constant contact pressure, without frictional heat and wear: set gamma = 0 and k_w = 0"
+        "Mel'nikov's function is that of constant contact pressure, without frictional heat and wear: set gamma = 0 and k_w = 0 \
+         (of a machine, wear_energy_share = 1 and wear_coefficient = 0)"
     )]
     Rubbed,
     #[error("Mel'nikov's function does not depend on {name}: its parameters are {known}", known = names())]
