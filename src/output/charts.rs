@@ -11,6 +11,7 @@ use crate::analysis::exponents::Line;
 use crate::analysis::melnikov::Curve;
 use crate::analysis::onset::Found;
 use crate::analysis::path::PathPoint;
+use crate::machine::units::Unit;
 use crate::measurement::Measurement;
 
 /// Ends of an axis that are given beforehand; None takes them from the data.
@@ -71,32 +72,46 @@ pub fn melnikov(title: &str, curves: &[(String, Vec<[f64; 2]>)], limits: Limits)
 /// The threshold in one parameter over another.
 pub fn threshold(curve: &Curve) -> Panel {
     let label = AxisLabel::of(&curve.over, &curve.fixed);
-    let points: Vec<[f64; 2]> = curve
-        .thresholds
-        .iter()
-        .enumerate()
-        .map(|(index, threshold)| {
-            let value = label.factor * curve.over.value(index);
-            [value, threshold.value().unwrap_or(f64::NAN)]
-        })
-        .collect();
+    let along = curve.along.coordinate;
+    let found = || curve.thresholds.iter().filter_map(|threshold| threshold.value());
+    let largest = found().map(f64::abs).fold(0.0, f64::max);
+    let unit = Unit::suited(curve.fixed.unit(along), largest);
+    // the thresholds beyond which M changes sign on one side, below or above
+    let points = |sides: [bool; 2]| -> Vec<[f64; 2]> {
+        let points = curve.thresholds.iter().enumerate().map(|(index, threshold)| {
+            let found = threshold.value().filter(|_| threshold.changes_sign() == sides);
+            [
+                label.factor * curve.over.value(index),
+                found.map_or(f64::NAN, |value| unit.factor * value),
+            ]
+        });
+        points.collect()
+    };
+    let curves = [
+        ("from here upward Mel'nikov's function changes sign", [false, true]),
+        ("from here downward Mel'nikov's function changes sign", [true, false]),
+    ];
     let (low, high) = (
         curve.over.start.min(curve.over.stop),
         curve.over.start.max(curve.over.stop),
     );
-    let info = curve.search.parameter.info();
     Panel {
         title: String::new(),
         x: Scale::new(&label.words, label.factor * low, label.factor * high),
         y: Scale::around(
-            &format!("threshold in {}", info.symbol),
-            points.iter().map(|point| point[1]),
+            &format!("threshold in {}{}", along.symbol(), unit.bracketed()),
+            found().map(|value| unit.factor * value),
         ),
-        layers: vec![Layer::Curve {
-            name: "from here upward Mel'nikov's function changes sign".to_owned(),
-            points,
-            stroke: Stroke::solid(colour_of(0), 2.0),
-        }],
+        layers: curves
+            .into_iter()
+            .enumerate()
+            .filter(|(_, (_, sides))| curve.thresholds.iter().any(|found| found.changes_sign() == *sides))
+            .map(|(index, (name, sides))| Layer::Curve {
+                name: name.to_owned(),
+                points: points(sides),
+                stroke: Stroke::solid(colour_of(index), 2.0),
+            })
+            .collect(),
     }
 }
 
