@@ -104,6 +104,8 @@ fn melnikov_refuses_what_has_no_meaning() {
         (&["--threshold", "zeta_k=2:1"], "lower one first"),
         (&["--over", "zeta_k=0:1:3"], "over zeta_k itself"),
         (&["--over", "epsilon=0.1:0.2:3"], "does not depend on epsilon"),
+        (&["--at", "x0=1,2"], "does not depend on x0"),
+        (&["--at", "epsilon_0=0.1,0.2"], "does not depend on epsilon_0"),
         (
             &["--threshold", "damping=0:1"],
             "a quantity of a machine, and there is none",

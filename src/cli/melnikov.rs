@@ -125,6 +125,9 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
             "tau0 from {low} to {high} is no range: give the lower end first"
         )));
     }
+    if let Some(values) = &args.at {
+        check(values.coordinate, &at)?;
+    }
     let along = search(args.threshold, &at)?;
     for point in &points {
         check_machines(vec![along], point)?;
