@@ -95,6 +95,22 @@ fn melnikov_finds_where_the_change_of_sign_ends() {
 }
 
 #[test]
+fn melnikov_says_that_a_curve_is_empty() {
+    let folder = TempDir::new().unwrap();
+    for (range, place) in [("zeta_k=0:1", "nowhere"), ("zeta_k=5:6", "everywhere")] {
+        let args = ["melnikov", "--threshold", range, "--over", "h1=0:1:3", "--force"];
+        let output = tribochaos(folder.path(), &args);
+        let said = format!("at 3 of 3 values M changes sign {place} for zeta_k from");
+        assert!(text(&output.stdout).contains(&said), "{}", text(&output.stdout));
+        let warned = text(&output.stderr);
+        assert!(
+            warned.contains("the curve is empty") && warned.contains(place),
+            "{warned}"
+        );
+    }
+}
+
+#[test]
 fn melnikov_refuses_what_has_no_meaning() {
     let folder = TempDir::new().unwrap();
     for (args, reason) in [

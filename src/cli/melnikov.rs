@@ -340,7 +340,7 @@ impl Summary<'_> {
     }
 }
 
-/// Tells what a curve came to, in words or within an object.
+/// Tells what a curve came to, in words or within an object; of a curve without any threshold it is warned.
 fn report_curve(curve: &Curve, object: Option<&mut Value>) {
     let count = |sought: &str| {
         let kinds = curve.thresholds.iter().map(|threshold| kind(*threshold));
@@ -369,5 +369,16 @@ fn report_curve(curve: &Curve, object: Option<&mut Value>) {
                 .collect();
             say!("over {name}: {}\n", told.join(", "));
         }
+    }
+    if begins + ceases == 0 {
+        let place = match (always, never) {
+            (_, 0) => "everywhere",
+            (0, _) => "nowhere",
+            _ => "everywhere or nowhere",
+        };
+        eprintln!(
+            "warning: no threshold at any of the {values} values of {name}, so that the curve is empty: M changes sign {place} \
+             {range}; give --threshold another range"
+        );
     }
 }
