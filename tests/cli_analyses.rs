@@ -68,9 +68,45 @@ fn melnikov_gives_the_threshold_and_the_extremes() {
         "{said}"
     );
     let (names, rows) = table(&folder.path().join("two-threshold.csv"));
-    assert_eq!(names, "h1,zeta_k_threshold");
+    assert_eq!(names, "h1,zeta_k_threshold,changes_sign_below,changes_sign_above");
     for (row, expected) in rows.iter().zip([3.3047, 3.6933, 3.9609]) {
         assert!((row[1] - expected).abs() < 6e-5);
+        assert_eq!(row[2..], [0.0, 1.0]);
+    }
+}
+
+/// Damping hinders chaos: M changes sign below a threshold in h1, not above one.
+#[test]
+fn melnikov_finds_where_the_change_of_sign_ends() {
+    let folder = TempDir::new().unwrap();
+    let args = ["melnikov", "--threshold", "h1=0:3"];
+    let said = run(folder.path(), &[&args[..], &["--set", "zeta_k=3.9"]].concat());
+    assert!(said.contains("M changes sign below h1 = 0.874028"), "{said}");
+    let over = ["--over", "zeta_k=3.2:3.9:8", "--out", "over", "--json"];
+    let found = object(folder.path(), &[&args[..], &over].concat());
+    assert_eq!(found["threshold_kind"], "ceases");
+    let curve = &found["curve"];
+    assert_eq!((&curve["ceases"], &curve["never"]), (&6.into(), &2.into()));
+    let (_, rows) = table(&folder.path().join("over-threshold.csv"));
+    assert_eq!(rows[7][2..], [1.0, 0.0]);
+    assert!((rows[7][1] - found["threshold"].as_f64().unwrap()).abs() < 1e-9);
+    let svg = fs::read_to_string(folder.path().join("over-threshold.svg")).unwrap();
+    assert!(!svg.contains("from here upward"), "the one curve is that of an end");
+}
+
+#[test]
+fn melnikov_says_that_a_curve_is_empty() {
+    let folder = TempDir::new().unwrap();
+    for (range, place) in [("zeta_k=0:1", "nowhere"), ("zeta_k=5:6", "everywhere")] {
+        let args = ["melnikov", "--threshold", range, "--over", "h1=0:1:3", "--force"];
+        let output = tribochaos(folder.path(), &args);
+        let said = format!("at 3 of 3 values M changes sign {place} for zeta_k from");
+        assert!(text(&output.stdout).contains(&said), "{}", text(&output.stdout));
+        let warned = text(&output.stderr);
+        assert!(
+            warned.contains("the curve is empty") && warned.contains(place),
+            "{warned}"
+        );
     }
 }
 
@@ -83,6 +119,13 @@ fn melnikov_refuses_what_has_no_meaning() {
         (&["--threshold", "epsilon_0"], "does not depend on epsilon_0"),
         (&["--threshold", "zeta_k=2:1"], "lower one first"),
         (&["--over", "zeta_k=0:1:3"], "over zeta_k itself"),
+        (&["--over", "epsilon=0.1:0.2:3"], "does not depend on epsilon"),
+        (&["--at", "x0=1,2"], "does not depend on x0"),
+        (&["--at", "epsilon_0=0.1,0.2"], "does not depend on epsilon_0"),
+        (
+            &["--threshold", "damping=0:1"],
+            "a quantity of a machine, and there is none",
+        ),
         (&["--at", "zeta_k="], "V1,V2"),
         (&["--at", "zeta_k=1,2", "--set", "zeta_k=3"], "leave one of the two out"),
         (&["--tau", "2:1"], "lower end first"),
@@ -465,6 +508,7 @@ fn theory_is_drawn_over_maps_where_it_has_a_curve() {
     assert_ne!(with, without);
     run(folder.path(), &["render", "m.zarr", "--overlay", "melnikov"]);
     assert_eq!(fs::read(folder.path().join("m-lyapunov.png")).unwrap(), with);
+    run(folder.path(), &map(&["--x", "omega_0=1:3:8", "--y", "h1=0:1.5:6"], "f"));
     for (x, y, reason) in [
         ("epsilon=0.05:0.2:3", "x0=0:1:3", "neither on epsilon nor on x0"),
         ("zeta_k=0:1:3", "h1=0:1:3", "nowhere"),

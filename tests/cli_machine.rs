@@ -303,12 +303,6 @@ fn analyses_run_over_quantities_of_a_machine() {
         2000
     );
 
-    let melnikov = run(&["melnikov", "--over", "damping=0:1000:3"]);
-    assert_near(&melnikov["threshold"], 3.69, 1e-2);
-    let table = fs::read_to_string(folder.path().join("outputs/melnikov-threshold.csv")).unwrap();
-    assert!(table.contains("# damping in N s/m²; empty:"), "{table}");
-    let words = [&["melnikov", "--machine", "m.toml", "--out", "again"], &COLD[..]].concat();
-    assert!(done(&tribochaos(folder.path(), &words)).contains("shaft_speed_amplitude = 218."));
     let overlay = [
         "map",
         "--x",
@@ -320,6 +314,65 @@ fn analyses_run_over_quantities_of_a_machine() {
     ];
     let overlay = [&overlay[..], &short[..], &["--machine", "m.toml"], &COLD[..]].concat();
     done(&tribochaos(folder.path(), &overlay));
+}
+
+/// Thresholds are looked for in quantities of the machine, and told in their units.
+#[test]
+fn melnikovs_thresholds_of_a_machine_are_in_si() {
+    let folder = folder();
+    let melnikov = |args: &[&'static str]| {
+        let args = [&["melnikov", "--machine", "m.toml", "--force"], &COLD[..], args].concat();
+        tribochaos(folder.path(), &args)
+    };
+    let found = json(&melnikov(&["--json", "--over", "damping=0:1000:3"]));
+    assert_near(&found["threshold"], 218.05, 1e-4);
+    assert_eq!(
+        (&found["threshold_parameter"], &found["threshold_unit"]),
+        (&"shaft_speed_amplitude".into(), &"rad/s".into())
+    );
+    assert_near(&found["threshold_dimensionless"]["zeta_k"], 3.6977, 1e-4);
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    let table = read("outputs/melnikov-threshold.csv");
+    assert!(
+        table.contains("# damping in N s/m²; shaft_speed_amplitude in rad/s; empty:")
+            && table.contains("\ndamping,shaft_speed_amplitude_threshold,"),
+        "{table}"
+    );
+    // the same range as in the default, and the other way round
+    let typed = done(&melnikov(&["--threshold", "shaft_speed_amplitude=0:1000"]));
+    assert!(
+        typed.contains("M changes sign above shaft_speed_amplitude = 218.05 rad/s (zeta_k = 3.6977"),
+        "{typed}"
+    );
+    let end = json(&melnikov(&["--json", "--threshold", "damping=0:3000"]));
+    assert_eq!(end["threshold_kind"], "ceases");
+    let back = json(&melnikov(&[
+        "--json",
+        "--threshold",
+        "interference=1e-10:1e-8",
+        "--over",
+        "inertia=6e-3:8e-3:3",
+    ]));
+    assert_eq!(back["threshold_unit"], "m");
+    assert!(back["threshold"].is_f64(), "{back}");
+    for (args, reason) in [
+        (
+            &["--threshold", "h1=0:3"][..],
+            "h1 follows from the machine: set damping",
+        ),
+        (&["--threshold", "damping"], "--threshold damping=LOW:HIGH, in N s/m²"),
+        (
+            &["--threshold", "heat_transfer=1:2"],
+            "does not depend on heat_transfer",
+        ),
+        (&["--threshold", "spring_length=0.02:0.04"], "k* = -"),
+        (&["--over", "length=1:2:3"], "does not depend on length"),
+    ] {
+        let output = melnikov(args);
+        let stderr = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {stderr}");
+        assert!(stderr.contains(reason), "{args:?}: {reason} is not in: {stderr}");
+    }
 }
 
 #[test]
@@ -467,7 +520,7 @@ fn bad_machines_are_refused_with_a_reason_before_any_work() {
         (&["lyapunov", "--machine", m], "zeta_k follows from the machine"),
         (&["phase", "--machine", m], "wear_coefficient = 0"),
         (&["phase", "--machine", m, "--at", "spring_length=0.02,0.04"], "k* = -"),
-        (&["melnikov", "--machine", m], "gamma"),
+        (&["melnikov", "--machine", m], "wear_energy_share = 1"),
         (
             &["history", "--machine", m, "--set", "spring_free_length=0.02"],
             "k* = -",

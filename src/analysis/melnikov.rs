@@ -1,162 +1,139 @@
-//! Mel'nikov's threshold over a second parameter, and over the axes of a map.
+//! Mel'nikov's threshold over a second coordinate, and over the axes of a map.
 //!
-//! Owns which curve belongs to which axes; M and the search in one parameter are [`crate::model::melnikov`]'s.
+//! Owns which curve belongs to which axes; M and the search along one axis are [`crate::model::melnikov`]'s.
 
 use rayon::prelude::*;
 
+use super::contour::{self, Edge};
 use crate::experiment::Experiment;
-use crate::grid::{Axis, Fixed};
-use crate::model::melnikov::{self, Melnikov, MelnikovError, Search, Threshold};
+use crate::grid::{Axis, Coordinate, Fixed, Grid};
+use crate::machine::SiQuantity;
+use crate::model::melnikov::{self, Melnikov, MelnikovError, Threshold};
 use crate::parameters::{Parameter, ParameterSet};
 
-/// The threshold in one parameter at each value of an axis.
+/// The threshold on one axis at each value of another.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    pub search: Search,
+    /// Along which the threshold was looked for.
+    pub along: Axis,
     pub over: Axis,
     /// All else.
     pub fixed: Fixed,
-    /// In the order of the axis.
+    /// In the order of `over`.
     pub thresholds: Vec<Threshold>,
 }
 
-/// The threshold in `search`'s parameter over `over`, all else being that of `at`; where b is not positive
-/// there is none.
+/// The threshold on the rising axis `along` over `over`, all else being that of `at`; where b is not positive M changes no
+/// sign.
 ///
 /// # Errors
-/// If both parameters are the same, or no value of the axis has a homoclinic orbit.
-pub fn threshold_curve(at: &Fixed, search: &Search, over: &Axis) -> Result<Curve, CurveError> {
-    if over.coordinate == search.parameter.into() {
+/// If both coordinates are the same, M does not depend on one of them, or no value of `over` has a homoclinic orbit.
+pub fn threshold_curve(at: &Fixed, along: &Axis, over: &Axis) -> Result<Curve, CurveError> {
+    if over.coordinate == along.coordinate {
         return Err(CurveError::SameParameter {
             name: over.coordinate.name(),
         });
     }
-    let thresholds = thresholds(over, |value| {
-        melnikov::threshold(at.at([(over.coordinate, value)]).parameters(), search)
-    })?;
-    Ok(Curve {
-        search: *search,
-        over: *over,
-        fixed: *at,
-        thresholds,
-    })
-}
-
-/// What `find` finds at each value of the axis; nothing where there is no homoclinic orbit.
-fn thresholds(
-    over: &Axis,
-    find: impl Fn(f64) -> Result<Threshold, MelnikovError> + Sync,
-) -> Result<Vec<Threshold>, CurveError> {
+    melnikov::check_depends(at, over.coordinate)?;
     let found: Vec<Result<Threshold, MelnikovError>> = (0..over.count)
         .into_par_iter()
-        .map(|index| find(over.value(index)))
+        .map(|index| melnikov::threshold(&at.at([(over.coordinate, over.value(index))]), along))
         .collect();
     if let Some(Err(error)) = found.iter().find(|found| found.is_err())
         && found.iter().all(Result::is_err)
     {
-        return Err(CurveError::Melnikov(error.clone()));
+        return Err(error.clone().into());
     }
-    Ok(found
-        .into_iter()
-        .map(|found| found.unwrap_or(Threshold::Never))
-        .collect())
+    Ok(Curve {
+        along: *along,
+        over: *over,
+        fixed: *at,
+        thresholds: found
+            .into_iter()
+            .map(|found| found.unwrap_or(Threshold::Never))
+            .collect(),
+    })
 }
 
-/// Values at which the curve over a map is computed.
-const MAP_VALUES: usize = 81;
-/// Steps of the search along a map's axis.
-const MAP_STEPS: u32 = 60;
+/// Values along either axis of a map between which the border is looked for.
+const MAP_VALUES: usize = 41;
 
-/// The curve of the threshold over the axes of a map, as points (x, y); NaN parts its pieces. It is the threshold in the
-/// x axis' parameter for each y or, where there is none of that kind on the map (M need not depend on that parameter, or may
-/// change sign below a value of it instead of above), the threshold in the y axis' parameter for each x.
+/// The border over the axes of a map between where M changes sign and where it does not, as points (x, y); NaN ends each of its
+/// pieces. Regions that are narrower than a 40th of an axis may be passed over.
 ///
 /// # Errors
-/// If M depends on neither axis, has no homoclinic orbit there, or changes sign nowhere, or everywhere, on the map.
+/// If M depends on neither axis, has no homoclinic orbit or no meaning there, or changes sign nowhere, or everywhere, on the
+/// map.
 pub fn curve_over_map(experiment: &Experiment) -> Result<Vec<[f64; 2]>, CurveError> {
     let [x, y] = experiment.grid.axes[..] else {
         return Err(CurveError::NoMap);
     };
-    let fixed = &experiment.grid.fixed;
-    let depends = |axis: &Axis| {
-        let mut moved = melnikov::PARAMETERS.iter();
-        moved.any(|parameter| fixed.moves(axis.coordinate, *parameter))
-    };
-    let along_x = depends(&x).then(|| curve_along(fixed, &x, &y));
-    if let Some(Ok(points)) = along_x {
-        return Ok(points);
+    if experiment.is_rubbed() {
+        return Err(MelnikovError::Rubbed.into());
     }
-    let along_y = depends(&y).then(|| curve_along(fixed, &y, &x));
-    match (along_x, along_y) {
-        (_, Some(Ok(points))) => Ok(points.into_iter().map(|[y, x]| [x, y]).collect()),
-        (Some(Err(error)), _) | (_, Some(Err(error))) => Err(error),
-        _ => Err(CurveError::NeitherAxis {
+    let fixed = experiment.grid.fixed;
+    if ![x, y].iter().any(|axis| melnikov::depends(&fixed, axis.coordinate)) {
+        return Err(CurveError::NeitherAxis {
             x: x.coordinate.name(),
             y: y.coordinate.name(),
-        }),
-    }
-}
-
-/// Points (threshold along `along`, value of `over`).
-fn curve_along(fixed: &Fixed, along: &Axis, over: &Axis) -> Result<Vec<[f64; 2]>, CurveError> {
-    let (low, high) = (along.start.min(along.stop), along.start.max(along.stop));
-    let over = Axis {
-        count: over.count.min(MAP_VALUES),
-        ..*over
-    };
-    let find = |row: f64| {
-        let at = |value: f64| {
-            *fixed
-                .at([(over.coordinate, row), (along.coordinate, value)])
-                .parameters()
-        };
-        melnikov::threshold_along(&at, [low, high], MAP_STEPS)
-    };
-    let thresholds = thresholds(&over, find)?;
-    if thresholds.iter().all(|threshold| threshold.value().is_none()) {
-        let below = thresholds.contains(&Threshold::BelowRange);
-        return Err(CurveError::NotOnMap {
-            name: along.coordinate.name(),
-            low,
-            high,
-            place: if below { "at the lower end already" } else { "nowhere" },
+            known: melnikov::known(&fixed),
         });
     }
-    let mut points: Vec<[f64; 2]> = Vec::new();
-    for (index, threshold) in thresholds.iter().enumerate() {
-        let (row, value) = (over.value(index), threshold.value());
-        if let Some(&[before, row_before]) = points.last() {
-            let last = match (before.is_finite(), value) {
-                (true, None) => end_between(&find, row_before, row),
-                (false, Some(_)) => end_between(&find, row, row_before),
-                _ => None,
-            };
-            points.extend(last);
-        }
-        points.push([value.unwrap_or(f64::NAN), row]);
+    let axes = [x, y].map(|axis| Axis {
+        count: MAP_VALUES,
+        ..axis
+    });
+    let grid = Grid {
+        axes: axes.to_vec(),
+        fixed,
+    };
+    let changes: Vec<Result<bool, MelnikovError>> = (0..grid.len())
+        .into_par_iter()
+        .map(|index| melnikov::changes_sign(&grid.point(index)))
+        .collect();
+    let inside: Vec<Option<bool>> = changes.iter().map(|changes| changes.as_ref().ok().copied()).collect();
+    let lines = contour::lines(&inside, MAP_VALUES);
+    if lines.is_empty() {
+        return Err(match (inside.iter().find_map(|inside| *inside), &changes[0]) {
+            (None, Err(error)) => error.clone().into(),
+            (known, _) => CurveError::NotOnMap {
+                place: if known == Some(true) { "everywhere" } else { "nowhere" },
+            },
+        });
     }
-    Ok(points)
+    // what takes time are the edges, of which one line may have most
+    let edges: Vec<Option<Edge>> = lines
+        .into_iter()
+        .flat_map(|line| line.into_iter().map(Some).chain([None]))
+        .collect();
+    let points = edges.into_par_iter().map(|edge| match edge {
+        Some(edge) => crossing(&fixed, &axes, &inside, edge),
+        None => Ok([f64::NAN; 2]),
+    });
+    Ok(points.collect::<Result<_, MelnikovError>>()?)
 }
 
-/// Halvings of the step in which a curve ends.
-const HALVINGS: u32 = 24;
-
-/// Where a curve ends between a value that has a threshold and one that has none: as (threshold, value); the curve would
-/// else stop up to a step short of the map's edge.
-fn end_between(
-    find: &impl Fn(f64) -> Result<Threshold, MelnikovError>,
-    mut with: f64,
-    mut without: f64,
-) -> Option<[f64; 2]> {
-    let mut end = None;
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (with + without);
-        match find(middle).ok().and_then(|threshold| threshold.value()) {
-            Some(value) => (end, with) = (Some([value, middle]), middle),
-            None => without = middle,
-        }
-    }
-    end
+/// Where the border crosses an edge of the grid over the axes.
+fn crossing(fixed: &Fixed, axes: &[Axis; 2], inside: &[Option<bool>], edge: Edge) -> Result<[f64; 2], MelnikovError> {
+    let place = |point: usize| [axes[0].value(point % MAP_VALUES), axes[1].value(point / MAP_VALUES)];
+    let (outer, inner) = if inside[edge.to] == Some(true) {
+        (edge.from, edge.to)
+    } else {
+        (edge.to, edge.from)
+    };
+    let [outer, inner] = [outer, inner].map(place);
+    // along the axis in which the ends differ
+    let along = usize::from(outer[0] == inner[0]);
+    let at = |value: f64| {
+        let mut place = outer;
+        place[along] = value;
+        place
+    };
+    let parameters = |value: f64| {
+        let values = axes.iter().map(|axis| axis.coordinate).zip(at(value));
+        *fixed.at(values).parameters()
+    };
+    melnikov::border(&parameters, [outer[along], inner[along]]).map(at)
 }
 
 /// M over `count` values of tau0 from `low` to `high`, both included: pairs (tau0, M).
@@ -172,12 +149,29 @@ pub fn sampled(at: &ParameterSet, low: f64, high: f64, count: usize) -> Result<V
         .collect())
 }
 
-/// The range in which a threshold in a parameter is looked for unless another is given: 0 to 20 or, where the parameter's
-/// range is narrower, that.
-pub fn default_range(parameter: Parameter) -> (f64, f64) {
-    let (low, high) = parameter.info().range;
-    (low.max(0.0), high.min(20.0))
+/// The axis along which a threshold is looked for unless a range is given: 0 to 20, or what of that the parameter may be; b
+/// from 0.1, since it must be positive. Of a machine's quantities the amplitude of the shaft's speed alone has one, where
+/// zeta_k is from 0 to 20.
+pub fn default_search(at: &Fixed, coordinate: Coordinate) -> Option<Axis> {
+    let (start, stop) = match coordinate {
+        Coordinate::Parameter(Parameter::B) => (0.1, 20.0),
+        Coordinate::Parameter(parameter) => {
+            let (low, high) = parameter.info().range;
+            (low.max(0.0), high.min(20.0))
+        }
+        Coordinate::Si(SiQuantity::ShaftSpeedAmplitude) => (0.0, 20.0 / at.machine()?.scales().time),
+        Coordinate::Si(_) => return None,
+    };
+    Some(Axis {
+        coordinate,
+        start,
+        stop,
+        count: SEARCH_VALUES,
+    })
 }
+
+/// Values of an axis along which a threshold is looked for.
+pub const SEARCH_VALUES: usize = 121;
 
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CurveError {
@@ -188,20 +182,18 @@ pub enum CurveError {
     #[error("Mel'nikov's threshold is drawn over a map of two axes")]
     NoMap,
     #[error(
-        "Mel'nikov's function depends neither on {x} nor on {y}: leave --overlay melnikov out, or give an axis of {known}",
-        known = melnikov::PARAMETERS.map(Parameter::name).join(", ")
+        "Mel'nikov's function depends neither on {x} nor on {y}: leave --overlay melnikov out, or give an axis of {known}"
     )]
-    NeitherAxis { x: &'static str, y: &'static str },
-    #[error(
-        "Mel'nikov's function changes sign {place} on the map, whose {name} runs from {low} to {high}: there is no \
-         threshold to draw; leave --overlay melnikov out, or move the axis"
-    )]
-    NotOnMap {
-        name: &'static str,
-        low: f64,
-        high: f64,
-        place: &'static str,
+    NeitherAxis {
+        x: &'static str,
+        y: &'static str,
+        known: String,
     },
+    #[error(
+        "Mel'nikov's function changes sign {place} on the map: there is no threshold to draw; leave --overlay melnikov out, \
+         or move the axes"
+    )]
+    NotOnMap { place: &'static str },
 }
 
 #[cfg(test)]
@@ -218,14 +210,21 @@ mod tests {
         request.resolve().unwrap()
     }
 
+    /// The checked thresholds lie on the curve, in whichever direction the axes run.
     #[test]
     fn the_curve_over_a_map_passes_through_the_checked_thresholds() {
-        let curve = curve_over_map(&experiment("zeta_k=3:5:10", "h1=0:1:3")).unwrap();
-        for (point, expected) in curve.iter().zip([[3.3047, 0.0], [3.6933, 0.5], [3.9609, 1.0]]) {
-            assert!(
-                (point[0] - expected[0]).abs() < 1e-4 && point[1] == expected[1],
-                "{point:?}"
-            );
+        for (x, y, turned) in [
+            ("zeta_k=3:5:10", "h1=0:1:3", false),
+            ("h1=1:0:3", "zeta_k=5:3:10", true),
+        ] {
+            let mut curve = curve_over_map(&experiment(x, y)).unwrap();
+            if turned {
+                curve.iter_mut().for_each(|point| point.reverse());
+            }
+            for [zeta_k, h1] in [[3.3047, 0.0], [3.6933, 0.5], [3.9609, 1.0]] {
+                let is_there = |point: &[f64; 2]| (point[0] - zeta_k).abs() < 1e-4 && (point[1] - h1).abs() < 1e-12;
+                assert!(curve.iter().any(is_there), "{x} {y}: {curve:?}");
+            }
         }
     }
 
@@ -247,18 +246,31 @@ mod tests {
     #[test]
     fn an_axis_that_does_not_matter_gives_a_straight_line() {
         let curve = curve_over_map(&experiment("epsilon=0.05:0.2:3", "zeta_k=3:5:10")).unwrap();
-        assert_eq!(
-            curve.iter().map(|point| point[0]).collect::<Vec<_>>(),
-            [0.05, 0.125, 0.2]
+        assert_eq!((curve[0][0], curve[MAP_VALUES - 1][0]), (0.05, 0.2));
+        assert_eq!(curve.len(), MAP_VALUES + 1, "one piece");
+        assert!(
+            curve[..MAP_VALUES].iter().all(|point| (point[1] - 3.6933).abs() < 1e-4),
+            "{curve:?}"
         );
-        assert!(curve.iter().all(|point| (point[1] - 3.6933).abs() < 1e-4), "{curve:?}");
     }
 
+    /// Damping ends the change of sign upward, so that nowhere on the map it begins along that axis.
     #[test]
-    fn a_parameter_that_hinders_chaos_may_be_the_first_axis() {
-        let curve = curve_over_map(&experiment("h1=0:1:3", "zeta_k=3:5:10")).unwrap();
-        assert_eq!(curve[1][0], 0.5);
-        assert!((curve[1][1] - 3.6933).abs() < 1e-4, "{curve:?}");
+    fn a_map_without_zeta_k_has_its_border_in_all_directions() {
+        let curve = curve_over_map(&experiment("omega_0=1:3:60", "h1=0:1.5:60")).unwrap();
+        let mut checked = 0;
+        for [omega_0, h1] in curve.into_iter().filter(|point| !point[0].is_nan()) {
+            let changes = |h1: f64| {
+                let at = ParameterSet::default().with(Parameter::Omega0, omega_0);
+                melnikov::changes_sign(&at.with(Parameter::H1, h1)).unwrap()
+            };
+            assert!(
+                changes(h1 - 1e-4) && !changes(h1 + 1e-4),
+                "omega_0 = {omega_0}, h1 = {h1}"
+            );
+            checked += 1;
+        }
+        assert!(checked > MAP_VALUES, "{checked}");
     }
 
     #[test]
@@ -266,8 +278,9 @@ mod tests {
         for (x, y, reason) in [
             ("epsilon=0.05:0.2:3", "x0=0:1:3", "neither on epsilon nor on x0"),
             ("zeta_k=0:1:3", "h1=0:1:3", "nowhere"),
-            ("zeta_k=5:6:3", "h1=0:1:3", "at the lower end already"),
+            ("zeta_k=5:6:3", "h1=0:1:3", "everywhere"),
             ("zeta_k=0:6:3", "b=-2:-1:3", "b > 0"),
+            ("zeta_k=0:6:3", "gamma=0:1:3", "set gamma = 0"),
         ] {
             let message = curve_over_map(&experiment(x, y)).unwrap_err().to_string();
             assert!(message.contains(reason), "{x} {y}: {message}");

@@ -4,6 +4,7 @@
 //! draws nor prints.
 
 pub mod bifurcation;
+mod contour;
 pub mod exponents;
 pub mod melnikov;
 pub mod onset;

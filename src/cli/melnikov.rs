@@ -1,12 +1,13 @@
 //! `melnikov`: Mel'nikov's function, its extremes and its thresholds.
 
+use anyhow::anyhow;
 use clap::Args;
 use serde_json::{Value, json};
-use tribochaos::analysis::melnikov::{CurveError, default_range, sampled, threshold_curve};
+use tribochaos::analysis::melnikov::{Curve, CurveError, SEARCH_VALUES, default_search, sampled, threshold_curve};
 use tribochaos::experiment::{Experiment, Request};
 use tribochaos::grid::{Axis, Coordinate, Fixed, Grid};
 use tribochaos::machine::units::si;
-use tribochaos::model::melnikov::{self, Extremes, Melnikov, Search, Threshold};
+use tribochaos::model::melnikov::{self, Extremes, Melnikov, Threshold};
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts};
 use tribochaos::parameters::Parameter;
@@ -16,8 +17,9 @@ use super::request::SubjectArgs;
 use super::{Failure, request};
 
 /// Mel'nikov's function measures, to first order in epsilon, the distance between the stable and the unstable manifold of the
-/// saddle at rest, with dry friction as sgn. Where it changes sign, chaos may occur. Only parameters of the reduced model
-/// enter; epsilon, epsilon_0 and the initial state do not.
+/// saddle at rest, with dry friction as sgn; as in the paper it is positive where the stable one has the greater energy. Where
+/// it changes sign, chaos may occur. Only parameters of the reduced model enter; epsilon, epsilon_0 and the initial state do
+/// not.
 #[derive(Args)]
 #[command(after_help = request::parameter_table())]
 pub struct MelnikovArgs {
@@ -26,11 +28,11 @@ pub struct MelnikovArgs {
     /// Several values of a parameter, a curve for each
     #[arg(long, value_name = "NAME=V1,V2,...", value_parser = analysis::values)]
     at: Option<Values>,
-    /// Parameter whose threshold is looked for, and where: the least value at which M begins to change sign
-    /// [default: zeta_k=0:20]
-    #[arg(long, value_name = "NAME[=LOW:HIGH]", value_parser = search)]
-    threshold: Option<Search>,
-    /// Draw the threshold over a second parameter
+    /// Parameter, or quantity of the machine, whose threshold is looked for, and where: the least value at which M begins or
+    /// ceases to change sign [default: zeta_k=0:20, of a machine the shaft_speed_amplitude that gives it]
+    #[arg(long, value_name = "NAME[=LOW:HIGH]", value_parser = sought)]
+    threshold: Option<Sought>,
+    /// Draw the threshold over a second parameter, or quantity of the machine
     #[arg(long, value_name = "NAME=START:STOP:COUNT", value_parser = request::axis)]
     over: Option<Axis>,
     /// Range of tau0 in the picture [default: a period to either side of 0]
@@ -43,17 +45,68 @@ pub struct MelnikovArgs {
 /// Values of tau0 in a curve.
 const SAMPLES: usize = 1201;
 
-fn search(text: &str) -> Result<Search, String> {
+/// What a threshold is looked for in.
+#[derive(Clone, Copy, Debug)]
+struct Sought {
+    coordinate: Coordinate,
+    range: Option<[f64; 2]>,
+}
+
+fn sought(text: &str) -> Result<Sought, String> {
     let (name, range) = match text.split_once('=') {
         Some((name, range)) => (name, Some(request::range(range)?)),
         None => (text, None),
     };
-    let parameter = Parameter::from_name(name.trim()).map_err(|error| error.to_string())?;
-    let (low, high) = range.map_or_else(|| default_range(parameter), |[low, high]| (low, high));
-    for value in [low, high] {
-        parameter.check(value).map_err(|error| error.to_string())?;
+    let coordinate = Coordinate::from_name(name.trim()).map_err(|error| error.to_string())?;
+    if let Some([low, high]) = range {
+        for value in [low, high] {
+            coordinate.check(value).map_err(|error| error.to_string())?;
+        }
+        if low >= high {
+            return Err(format!(
+                "the search for a threshold in {coordinate} needs a range: from {low} to {high} is none; give LOW:HIGH, the \
+                 lower one first"
+            ));
+        }
     }
-    Search::new(parameter, low, high).map_err(|error| error.to_string())
+    Ok(Sought { coordinate, range })
+}
+
+/// The axis along which the threshold is looked for.
+fn search(sought: Option<Sought>, at: &Fixed) -> Result<Axis, Failure> {
+    let Sought { coordinate, range } = sought.unwrap_or_else(|| Sought {
+        coordinate: at
+            .governing(Parameter::ZetaK)
+            .map_or(Parameter::ZetaK.into(), Coordinate::from),
+        range: None,
+    });
+    check(coordinate, at)?;
+    let Some([low, high]) = range else {
+        return default_search(at, coordinate).ok_or_else(|| {
+            let unit = at.unit(coordinate);
+            Failure::Input(anyhow!(
+                "where to look for a threshold in {coordinate}: give a range, --threshold {coordinate}=LOW:HIGH{}",
+                if unit == "1" {
+                    String::new()
+                } else {
+                    format!(", in {unit}")
+                }
+            ))
+        });
+    };
+    Axis::new(coordinate, low, high, SEARCH_VALUES).map_err(Failure::input)
+}
+
+/// Checks that a coordinate may be varied, and that M varies with it.
+fn check(coordinate: Coordinate, at: &Fixed) -> Result<(), Failure> {
+    coordinate.check_free(at.machine().is_some()).map_err(Failure::input)?;
+    melnikov::check_depends(at, coordinate).map_err(Failure::input)
+}
+
+/// Checks that there is a machine, if there is one at all, everywhere along the axes.
+fn check_machines(axes: Vec<Axis>, at: &Fixed) -> Result<(), Failure> {
+    let grid = Grid { axes, fixed: *at };
+    grid.extents().map(|_| ()).map_err(Failure::input)
 }
 
 pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
@@ -79,28 +132,24 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
             "tau0 from {low} to {high} is no range: give the lower end first"
         )));
     }
-    let (zeta_low, zeta_high) = default_range(Parameter::ZetaK);
-    let search = match args.threshold {
-        Some(search) => search,
-        None => Search::new(Parameter::ZetaK, zeta_low, zeta_high).map_err(Failure::input)?,
-    };
-    if let Some(over) = args.over.filter(|over| over.coordinate == search.parameter.into()) {
-        let name = over.coordinate.name();
-        return Err(Failure::input(CurveError::SameParameter { name }));
+    if let Some(values) = &args.at {
+        check(values.coordinate, &at)?;
+    }
+    let along = search(args.threshold, &at)?;
+    for point in &points {
+        check_machines(vec![along], point)?;
     }
     if let Some(over) = args.over {
-        over.coordinate
-            .check_free(at.machine().is_some())
-            .map_err(Failure::input)?;
-        let grid = Grid {
-            axes: vec![over],
-            fixed: at,
-        };
-        grid.extents().map_err(Failure::input)?;
+        if over.coordinate == along.coordinate {
+            let name = over.coordinate.name();
+            return Err(Failure::input(CurveError::SameParameter { name }));
+        }
+        check(over.coordinate, &at)?;
+        check_machines(vec![along, over], &at)?;
     }
     let options = json!({
         "at": args.at.as_ref().map_or(Value::Array(vec![]), |values| json!([values.coordinate, values.values])),
-        "threshold": [json!(search.parameter), json!(search.low), json!(search.high)],
+        "threshold": [json!(along.coordinate), json!(along.start), json!(along.stop)],
         "over": args.over.map_or(Value::Array(vec![]), |over| json!([over])),
         "tau": [low, high],
     });
@@ -115,6 +164,7 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
     let coordinate = Values::coordinate_of(args.at.as_ref());
     let mut curves = Vec::new();
     let mut rows = Vec::new();
+    let mut objects = Vec::new();
     for (point, function) in points.iter().zip(&functions) {
         let value = analysis::value_of(point, coordinate);
         let curve = sampled(point.parameters(), low, high, SAMPLES).map_err(Failure::input)?;
@@ -124,17 +174,18 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
         };
         rows.extend(curve.iter().map(|&[tau_0, m]| [value, tau_0, m]));
         curves.push((name, curve));
-        let found = melnikov::threshold(point.parameters(), &search).map_err(Failure::input)?;
         let summary = Summary {
             point,
+            along: &along,
             extremes: function.extremes(),
-            threshold: found,
+            threshold: melnikov::threshold(point, &along).map_err(Failure::input)?,
             defect: defect(function, low, high),
         };
         if args.out.json {
-            continue;
+            objects.push(summary.object()?);
+        } else {
+            summary.print(args.at.as_ref());
         }
-        summary.print(&search, args.at.as_ref());
     }
     let unseen = [Parameter::Epsilon, Parameter::Epsilon0, Parameter::X0, Parameter::Y0];
     let mut shown: Vec<Coordinate> = unseen.map(Coordinate::from).to_vec();
@@ -150,30 +201,40 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
     let notes: Vec<String> = [note].into_iter().filter(|note| !note.is_empty()).collect();
     files.table("", &notes, [coordinate.name(), "tau_0", "melnikov"], rows.into_iter())?;
 
+    // one point is the object itself
+    let mut object = match <[Value; 1]>::try_from(objects) {
+        Ok([object]) => object,
+        Err(objects) => json!({ "points": objects }),
+    };
     if let Some(over) = args.over {
-        let curve = threshold_curve(&at, &search, &over).map_err(Failure::input)?;
-        shown.extend([search.parameter.into(), over.coordinate]);
+        let curve = threshold_curve(&at, &along, &over).map_err(Failure::input)?;
+        shown.extend([along.coordinate, over.coordinate]);
         let sheet = Sheet::single(charts::threshold(&curve), caption(&shown));
-        let title = format!("Mel'nikov's threshold in {}", search.parameter);
+        let title = format!("Mel'nikov's threshold in {}", along.coordinate);
         files.draw("-threshold", &sheet.draw().map_err(Failure::run)?, &title)?;
         let rows = curve.thresholds.iter().enumerate();
         files.table(
             "-threshold",
             &[analysis::unit_note(
                 &experiment,
-                &[over.coordinate],
-                "empty: no threshold within the range that was searched",
+                &[over.coordinate, along.coordinate],
+                "empty: no threshold within the range that was searched; the last two columns: 1 where M changes sign below \
+                 and above the threshold or, without one, everywhere in the range",
             )],
-            [over.coordinate.name(), &format!("{}_threshold", search.parameter)],
-            rows.map(|(index, threshold)| [over.value(index), threshold.value().unwrap_or(f64::NAN)]),
+            [
+                over.coordinate.name(),
+                &format!("{}_threshold", along.coordinate),
+                "changes_sign_below",
+                "changes_sign_above",
+            ],
+            rows.map(|(index, threshold)| {
+                let [below, above] = threshold.changes_sign().map(|changes| f64::from(u8::from(changes)));
+                [over.value(index), threshold.value().unwrap_or(f64::NAN), below, above]
+            }),
         )?;
+        report_curve(&curve, args.out.json.then_some(&mut object));
     }
-    let object = args
-        .out
-        .json
-        .then(|| object(&points, &functions, &search))
-        .transpose()?;
-    files.report(object.map(|object| analysis::with_machine(object, &experiment)));
+    files.report(args.out.json.then(|| analysis::with_machine(object, &experiment)));
     Ok(())
 }
 
@@ -192,26 +253,70 @@ fn defect(function: &Melnikov, low: f64, high: f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
+/// What a threshold is called in objects.
+fn kind(threshold: Threshold) -> &'static str {
+    match threshold {
+        Threshold::Begins(_) => "begins",
+        Threshold::Ceases(_) => "ceases",
+        Threshold::Always => "always",
+        Threshold::Never => "never",
+    }
+}
+
+/// A value for people, with its unit.
+fn written(at: &Fixed, coordinate: Coordinate, value: f64) -> String {
+    match coordinate {
+        Coordinate::Parameter(_) => value.to_string(),
+        Coordinate::Si(_) => si(value, at.unit(coordinate)),
+    }
+}
+
+/// `for zeta_k from 0 to 20`.
+fn range(at: &Fixed, along: &Axis) -> String {
+    let [low, high] = [along.start, along.stop].map(|value| written(at, along.coordinate, value));
+    format!("for {} from {low} to {high}", along.coordinate)
+}
+
 struct Summary<'a> {
     point: &'a Fixed,
+    along: &'a Axis,
     extremes: Extremes,
     threshold: Threshold,
     defect: f64,
 }
 
 impl Summary<'_> {
-    /// The amplitude of the shaft's speed that a threshold in zeta_k is, of a machine.
-    fn amplitude(&self, search: &Search, value: f64) -> String {
-        match self.point.machine() {
-            Some(machine) if search.parameter == Parameter::ZetaK => format!(
-                ", shaft_speed_amplitude = {}",
-                si(value / machine.scales().time, "rad/s")
-            ),
-            _ => String::new(),
+    /// The parameter that the threshold's quantity governs, and its value there; none without a machine.
+    fn governed(&self) -> Option<(Parameter, f64)> {
+        let Coordinate::Si(quantity) = self.along.coordinate else {
+            return None;
+        };
+        let is_governed = |parameter: &&Parameter| self.point.governing(**parameter) == Some(quantity);
+        let parameter = *melnikov::PARAMETERS.iter().find(is_governed)?;
+        let value = self.threshold.value()?;
+        Some((parameter, self.point.at([(quantity.into(), value)])[parameter]))
+    }
+
+    /// Where M changes sign, by the threshold.
+    fn place(&self) -> String {
+        let coordinate = self.along.coordinate;
+        let at = |value: f64| match (coordinate, self.governed()) {
+            (Coordinate::Parameter(_), _) => format!("{coordinate} = {value:.6}"),
+            (_, None) => format!("{coordinate} = {}", written(self.point, coordinate, value)),
+            (_, Some((parameter, governed))) => {
+                let value = written(self.point, coordinate, value);
+                format!("{coordinate} = {value} ({parameter} = {governed:.6})")
+            }
+        };
+        match self.threshold {
+            Threshold::Begins(value) => format!("M changes sign above {}", at(value)),
+            Threshold::Ceases(value) => format!("M changes sign below {}", at(value)),
+            Threshold::Always => format!("none: M changes sign everywhere {}", range(self.point, self.along)),
+            Threshold::Never => format!("none: M changes sign nowhere {}", range(self.point, self.along)),
         }
     }
 
-    fn print(&self, search: &Search, values: Option<&Values>) {
+    fn print(&self, values: Option<&Values>) {
         if let Some(values) = values {
             let value = analysis::value_of(self.point, values.coordinate);
             say!("{} = {value}", values.coordinate);
@@ -223,37 +328,64 @@ impl Summary<'_> {
             "M changes sign      {}",
             if e.change_sign() { "yes: chaos may occur" } else { "no" }
         );
-        let (name, low, high) = (search.parameter, search.low, search.high);
-        match self.threshold {
-            Threshold::At(value) => say!(
-                "threshold           {name} = {value:.6}{}",
-                self.amplitude(search, value)
-            ),
-            Threshold::BelowRange => say!("threshold           below {name} = {low}, where M changes sign already"),
-            Threshold::Never => say!("threshold           none for {name} from {low} to {high}"),
-        }
+        say!("threshold           {}", self.place());
         say!("closed form less quadrature: {:.1e} at most\n", self.defect);
+    }
+
+    fn object(&self) -> Result<Value, Failure> {
+        let mut object = serde_json::to_value(self.extremes).map_err(Failure::run)?;
+        object["changes_sign"] = self.extremes.change_sign().into();
+        object["threshold"] = self.threshold.value().into();
+        object["threshold_kind"] = kind(self.threshold).into();
+        object["threshold_parameter"] = self.along.coordinate.name().into();
+        object["threshold_unit"] = self.point.unit(self.along.coordinate).into();
+        if let Some((parameter, value)) = self.governed() {
+            object["threshold_dimensionless"] = json!({ parameter.name(): value });
+        }
+        object["parameters"] = analysis::parameters(self.point.parameters());
+        Ok(object)
     }
 }
 
-fn object(points: &[Fixed], functions: &[Melnikov], search: &Search) -> Result<Value, Failure> {
-    let objects = points
-        .iter()
-        .zip(functions)
-        .map(|(point, function)| {
-            let extremes = function.extremes();
-            let mut object = serde_json::to_value(extremes).map_err(Failure::run)?;
-            object["changes_sign"] = extremes.change_sign().into();
-            let found = melnikov::threshold(point.parameters(), search).map_err(Failure::input)?;
-            object["threshold"] = found.value().map_or(Value::Null, Value::from);
-            object["threshold_parameter"] = search.parameter.name().into();
-            object["parameters"] = analysis::parameters(point.parameters());
-            Ok(object)
-        })
-        .collect::<Result<Vec<Value>, Failure>>()?;
-    // one point is the object itself
-    Ok(match <[Value; 1]>::try_from(objects) {
-        Ok([object]) => object,
-        Err(objects) => json!({ "points": objects }),
-    })
+/// Tells what a curve came to, in words or within an object; of a curve without any threshold it is warned.
+fn report_curve(curve: &Curve, object: Option<&mut Value>) {
+    let count = |sought: &str| {
+        let kinds = curve.thresholds.iter().map(|threshold| kind(*threshold));
+        kinds.filter(|kind| *kind == sought).count()
+    };
+    let [begins, ceases, always, never] = ["begins", "ceases", "always", "never"].map(count);
+    let (name, values) = (curve.over.coordinate, curve.over.count);
+    let range = range(&curve.fixed, &curve.along);
+    match object {
+        Some(object) => {
+            object["curve"] = json!({
+                "over": name, "values": values, "begins": begins, "ceases": ceases, "always": always, "never": never,
+            });
+        }
+        None => {
+            let parts = [
+                (begins, "M begins to change sign upward".to_owned()),
+                (ceases, "M ceases to change sign upward".to_owned()),
+                (always, format!("M changes sign everywhere {range}")),
+                (never, format!("M changes sign nowhere {range}")),
+            ];
+            let told: Vec<String> = parts
+                .into_iter()
+                .filter(|(count, _)| *count > 0)
+                .map(|(count, what)| format!("at {count} of {values} values {what}"))
+                .collect();
+            say!("over {name}: {}\n", told.join(", "));
+        }
+    }
+    if begins + ceases == 0 {
+        let place = match (always, never) {
+            (_, 0) => "everywhere",
+            (0, _) => "nowhere",
+            _ => "everywhere or nowhere",
+        };
+        eprintln!(
+            "warning: no threshold at any of the {values} values of {name}, so that the curve is empty: M changes sign {place} \
+             {range}; give --threshold another range"
+        );
+    }
 }

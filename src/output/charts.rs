@@ -13,7 +13,7 @@ use crate::analysis::exponents::Line;
 use crate::analysis::melnikov::Curve;
 use crate::analysis::onset::Found;
 use crate::analysis::path::PathPoint;
-use crate::machine::units::five_digits;
+use crate::machine::units::{Unit, five_digits};
 use crate::measurement::Measurement;
 use crate::model::melnikov::Threshold;
 
@@ -92,45 +92,66 @@ pub fn melnikov(title: &str, curves: &[(String, Vec<[f64; 2]>)], limits: Limits)
 /// The threshold in one parameter over another.
 pub fn threshold(curve: &Curve) -> Panel {
     let label = AxisLabel::of(&curve.over, &curve.fixed);
-    let points: Vec<[f64; 2]> = curve
-        .thresholds
-        .iter()
-        .enumerate()
-        .map(|(index, threshold)| {
-            let value = label.factor * curve.over.value(index);
-            [value, threshold.value().unwrap_or(f64::NAN)]
-        })
-        .collect();
+    let along = curve.along.coordinate;
+    let found = || curve.thresholds.iter().filter_map(|threshold| threshold.value());
+    let ends = [curve.along.start, curve.along.stop].map(f64::abs);
+    let largest = found().map(f64::abs).reduce(f64::max).unwrap_or(ends[0].max(ends[1]));
+    let unit = Unit::suited(curve.fixed.unit(along), largest);
+    // the thresholds beyond which M changes sign on one side, below or above
+    let points = |sides: [bool; 2]| -> Vec<[f64; 2]> {
+        let points = curve.thresholds.iter().enumerate().map(|(index, threshold)| {
+            let found = threshold.value().filter(|_| threshold.changes_sign() == sides);
+            [
+                label.factor * curve.over.value(index),
+                found.map_or(f64::NAN, |value| unit.factor * value),
+            ]
+        });
+        points.collect()
+    };
+    let curves = [
+        ("from here upward Mel'nikov's function changes sign", [false, true]),
+        ("from here downward Mel'nikov's function changes sign", [true, false]),
+    ];
     let (low, high) = (
         curve.over.start.min(curve.over.stop),
         curve.over.start.max(curve.over.stop),
     );
-    let symbol = curve.search.parameter.info().symbol;
-    let y_label = format!("threshold in {symbol}");
-    let searched = [curve.search.low, curve.search.high];
-    let is_below = |threshold: &Threshold| *threshold == Threshold::BelowRange;
-    let how = match curve.thresholds.iter().filter(|threshold| is_below(threshold)).count() {
+    let searched = [curve.along.start, curve.along.stop].map(|value| unit.factor * value);
+    let y_label = format!("threshold in {}{}", along.symbol(), unit.bracketed());
+    let always = curve
+        .thresholds
+        .iter()
+        .filter(|found| **found == Threshold::Always)
+        .count();
+    let how = match always {
         0 => "changes sign nowhere",
-        all if all == curve.thresholds.len() => "changes sign at the lower end already",
-        _ => "changes sign nowhere, or at the lower end already",
+        all if all == curve.thresholds.len() => "changes sign everywhere",
+        _ => "changes sign nowhere, or everywhere,",
     };
     Panel {
         title: String::new(),
         x: Scale::new(&label.words, label.factor * low, label.factor * high),
-        y: if points.iter().any(|point| point[1].is_finite()) {
-            Scale::around(&y_label, points.iter().map(|point| point[1]))
+        y: if found().next().is_some() {
+            Scale::around(&y_label, found().map(|value| unit.factor * value))
         } else {
             Scale::new(&y_label, searched[0], searched[1])
         },
-        layers: vec![Layer::Curve {
-            name: "from here upward Mel'nikov's function changes sign".to_owned(),
-            points,
-            stroke: Stroke::solid(colour_of(0), 2.0),
-        }],
+        layers: curves
+            .into_iter()
+            .enumerate()
+            .filter(|(_, (_, sides))| curve.thresholds.iter().any(|found| found.changes_sign() == *sides))
+            .map(|(index, (name, sides))| Layer::Curve {
+                name: name.to_owned(),
+                points: points(sides),
+                stroke: Stroke::solid(colour_of(index), 2.0),
+            })
+            .collect(),
         nothing: format!(
-            "Mel'nikov's function {how} for {symbol} from {} to {}",
+            "Mel'nikov's function {how} for {} from {} to {}{}",
+            along.symbol(),
             number(searched[0]),
-            number(searched[1])
+            number(searched[1]),
+            unit.bracketed()
         ),
     }
 }
@@ -382,8 +403,7 @@ mod tests {
     use crate::analysis::melnikov::threshold_curve;
     use crate::grid::Axis;
     use crate::measurement::{BackendKind, Status};
-    use crate::model::melnikov::Search;
-    use crate::parameters::{Parameter, ParameterSet};
+    use crate::parameters::ParameterSet;
 
     fn svg(panel: Panel) -> String {
         Sheet::single(panel, Vec::new()).draw().unwrap().svg
@@ -435,12 +455,14 @@ mod tests {
     fn a_threshold_that_is_nowhere_has_the_axis_that_was_searched() {
         let at = ParameterSet::default().into();
         let over = Axis::parse("h1=0:2:5").unwrap();
-        let search = |low, high| Search::new(Parameter::ZetaK, low, high).unwrap();
-        let panel = threshold(&threshold_curve(&at, &search(0.0, 1.0), &over).unwrap());
+        let along = |axis: &str| Axis::parse(axis).unwrap();
+        let panel = threshold(&threshold_curve(&at, &along("zeta_k=0:1:60"), &over).unwrap());
         assert_eq!([panel.y.low, panel.y.high], [0.0, 1.0]);
         let empty = svg(panel);
         assert!(empty.contains("changes sign nowhere for ζₖ from 0 to 1") && !empty.contains("from here upward"));
-        let found = svg(threshold(&threshold_curve(&at, &search(0.0, 20.0), &over).unwrap()));
+        let found = svg(threshold(
+            &threshold_curve(&at, &along("zeta_k=0:20:60"), &over).unwrap(),
+        ));
         assert!(found.contains("from here upward") && !found.contains("nothing to draw"));
     }
 

@@ -4,8 +4,8 @@
 
 use super::table::{Row, Value};
 use super::{Data, Effort, Observer, Outcome, PaperError};
-use crate::analysis::melnikov::{default_range, sampled};
-use crate::model::melnikov::{Melnikov, Search, threshold};
+use crate::analysis::melnikov::{default_search, sampled};
+use crate::model::melnikov::{Melnikov, threshold};
 use crate::output::sheet::{BESIDE, Sheet};
 use crate::output::{PROGRAM, caption, charts};
 use crate::parameters::{Parameter, ParameterSet};
@@ -53,8 +53,8 @@ pub fn figure_4_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
         Effort::Full => 1201,
         Effort::Quick => 161,
     };
-    let (low, high) = default_range(Parameter::ZetaK);
-    let search = Search::new(Parameter::ZetaK, low, high)?;
+    let search =
+        default_search(&ParameterSet::default().into(), Parameter::ZetaK.into()).expect("every parameter has a range");
     let (mut panels, mut rows, mut data) = (Vec::new(), Vec::new(), Vec::new());
     for panel in &PANELS {
         let at = ParameterSet::default().with(Parameter::H1, panel.h1);
@@ -89,7 +89,7 @@ pub fn figure_4_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
                 high: panel.broken,
                 digits: 2,
             },
-            match threshold(&at, &search)?.value() {
+            match threshold(&at.into(), &search)?.value() {
                 Some(value) => Value::number(value, 4),
                 None => Value::Nothing,
             },

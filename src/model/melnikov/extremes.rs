@@ -47,8 +47,8 @@ impl Melnikov {
         }
     }
 
-    /// On which sides of zero M lies: as [`Extremes::change_sign`], with less work.
-    pub(super) fn side(&self) -> Side {
+    /// Whether M changes sign: as [`Extremes::change_sign`], with less work.
+    pub fn changes_sign(&self) -> bool {
         let first = self.closed_form(0.0);
         let (mut least, mut greatest) = (first, first);
         for k in 1..COARSE_SAMPLES {
@@ -56,18 +56,12 @@ impl Melnikov {
             (least, greatest) = (least.min(m), greatest.max(m));
             // one sample on the other side decides
             if m * first < 0.0 {
-                return Side::Both;
+                return true;
             }
         }
         // far from zero a finer look finds nothing else
-        if least.abs().min(greatest.abs()) > MARGIN * (greatest - least) {
-            return Side::One;
-        }
-        if self.extremes().change_sign() {
-            Side::Both
-        } else {
-            Side::One
-        }
+        let is_far = least.abs().min(greatest.abs()) > MARGIN * (greatest - least);
+        !is_far && self.extremes().change_sign()
     }
 
     /// The extreme near `at` of `sign * M`.
@@ -109,13 +103,6 @@ impl Melnikov {
             .unwrap_or((f64::NAN, f64::NAN));
         (at.rem_euclid(TAU / self.omega_0), greatest)
     }
-}
-
-/// Whether M lies on both sides of zero.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Side {
-    One,
-    Both,
 }
 
 /// The maximum of a function with one peak between `low` and `high`.

@@ -1,8 +1,10 @@
 //! Mel'nikov's function of the reduced system (contact pressure p = 1), equations (4.1) to (4.4) and (A.1).
 //!
-//! Owns the function in two independent forms, its extremes over a drive period and its sign; draws no curves and runs no
-//! scans over grids. To first order in epsilon M(tau0) is the distance between the stable and the unstable manifold of the
-//! saddle at rest; where it changes sign they cross, and chaos may occur.
+//! Owns the function in two independent forms, its extremes over a drive period, its sign and where that begins or ceases to
+//! change; draws no curves and runs no scans over grids. To first order in epsilon M(tau0) is the distance between the stable
+//! and the unstable manifold of the saddle at rest, with the paper's sign: epsilon M is the energy of the stable one less that
+//! of the unstable one, so that M is minus the usual integral of y0 (F - h1 y0). Where it changes sign they cross, and chaos
+//! may occur.
 
 mod extremes;
 mod integrals;
@@ -12,8 +14,9 @@ mod threshold;
 
 pub use self::extremes::Extremes;
 pub use self::integrals::Integrals;
-pub use self::threshold::{Search, Threshold, threshold, threshold_along};
+pub use self::threshold::{Threshold, border, changes_sign, threshold};
 
+use crate::grid::{Coordinate, Fixed};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// The parameters that M depends on. The strength epsilon of the perturbation is a factor of the whole distance, the layer
@@ -148,32 +151,49 @@ pub enum MelnikovError {
     #[error("b = {b}: Mel'nikov's function needs a homoclinic orbit, which the springs have for b > 0 only")]
     NoHomoclinicOrbit { b: f64 },
     #[error(
-        "Mel'nikov's function is that of constant contact pressure, without frictional heat and wear: set gamma = 0 and k_w = 0"
+        "Mel'nikov's function is that of constant contact pressure, without frictional heat and wear: set gamma = 0 and k_w = 0 \
+         (of a machine, wear_energy_share = 1 and wear_coefficient = 0)"
     )]
     Rubbed,
-    #[error("Mel'nikov's function does not depend on {name}: its parameters are {known}", known = names())]
-    NotAParameter { name: &'static str },
-    #[error(
-        "the search for a threshold in {name} needs a range: from {low} to {high} is none; give LOW:HIGH, the lower one \
-         first"
-    )]
-    Range { name: &'static str, low: f64, high: f64 },
+    #[error("Mel'nikov's function does not depend on {name}: what it depends on is {known}")]
+    NotAParameter { name: &'static str, known: String },
 }
 
-fn names() -> String {
-    PARAMETERS.map(Parameter::name).join(", ")
+/// Whether M depends on a coordinate: a parameter of its own, or a machine's quantity that moves one.
+pub fn depends(at: &Fixed, coordinate: Coordinate) -> bool {
+    // a contact length that the machine does not have moves nothing
+    let is_there = match (coordinate, at.machine()) {
+        (Coordinate::Si(quantity), Some(machine)) => machine.quantities().any(|own| own == quantity),
+        _ => true,
+    };
+    is_there && PARAMETERS.iter().any(|&parameter| at.moves(coordinate, parameter))
 }
 
-/// Checks that M depends on the parameter.
+/// Checks that M depends on a coordinate.
 ///
 /// # Errors
 /// [`MelnikovError::NotAParameter`].
-pub fn check_parameter(parameter: Parameter) -> Result<(), MelnikovError> {
-    if PARAMETERS.contains(&parameter) {
-        Ok(())
-    } else {
-        Err(MelnikovError::NotAParameter { name: parameter.name() })
+pub fn check_depends(at: &Fixed, coordinate: Coordinate) -> Result<(), MelnikovError> {
+    if depends(at, coordinate) {
+        return Ok(());
     }
+    Err(MelnikovError::NotAParameter {
+        name: coordinate.name(),
+        known: known(at),
+    })
+}
+
+/// The names of what M depends on: parameters or, where there is a machine, its quantities.
+pub fn known(at: &Fixed) -> String {
+    let names: Vec<&str> = match at.machine() {
+        None => PARAMETERS.map(Parameter::name).to_vec(),
+        Some(machine) => machine
+            .quantities()
+            .filter(|&quantity| depends(at, quantity.into()))
+            .map(|quantity| quantity.name())
+            .collect(),
+    };
+    names.join(", ")
 }
 
 #[cfg(test)]

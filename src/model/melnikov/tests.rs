@@ -2,6 +2,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::*;
+use crate::grid::Axis;
+use crate::machine::{self, Description, SiQuantity};
 
 struct Random(ChaCha8Rng);
 
@@ -192,12 +194,16 @@ fn extremes_bound_the_function() {
     assert!((m.closed_form(extremes.minimum_at) - extremes.minimum).abs() < 1e-9);
 }
 
+/// The threshold along an axis from `low` to `high`.
+fn find(at: ParameterSet, parameter: Parameter, low: f64, high: f64) -> Threshold {
+    threshold(&at.into(), &Axis::new(parameter, low, high, 121).unwrap()).unwrap()
+}
+
 #[test]
 fn thresholds_are_the_checked_ones() {
-    let search = Search::new(Parameter::ZetaK, 0.0, 12.0).unwrap();
     for (h1, value) in [(0.0, 3.3047), (0.5, 3.6933), (1.0, 3.9609)] {
-        let found = threshold(&point(&[(Parameter::H1, h1)]), &search).unwrap();
-        let Threshold::At(found) = found else {
+        let found = find(point(&[(Parameter::H1, h1)]), Parameter::ZetaK, 0.0, 12.0);
+        let Threshold::Begins(found) = found else {
             panic!("h1 = {h1}: {found:?}")
         };
         assert!((found - value).abs() < 6e-5, "h1 = {h1}: {found}");
@@ -210,17 +216,21 @@ fn thresholds_are_the_checked_ones() {
 #[test]
 fn thresholds_in_other_parameters_meet_those_in_zeta_k() {
     let at = |zeta_k: f64, h1: f64| point(&[(Parameter::ZetaK, zeta_k), (Parameter::H1, h1)]);
-    let in_zeta_k = Search::new(Parameter::ZetaK, 0.0, 12.0).unwrap();
-    // damping hinders: M changes sign up to some h1, so that a search upward in h1 starts within or finds nothing
-    let in_h1 = Search::new(Parameter::H1, 0.0, 1.0).unwrap();
-    assert_eq!(threshold(&at(3.6933, 0.0), &in_h1).unwrap(), Threshold::BelowRange);
-    let in_h1 = Search::new(Parameter::H1, 0.6, 1.0).unwrap();
-    assert_eq!(threshold(&at(3.6933, 0.0), &in_h1).unwrap(), Threshold::Never);
+    // damping hinders: M changes sign up to some h1
+    for zeta_k in [3.6933, 3.9] {
+        let found = find(at(zeta_k, 0.0), Parameter::H1, 0.0, 3.0);
+        let Threshold::Ceases(h1) = found else {
+            panic!("{found:?}")
+        };
+        let back = find(at(0.0, h1), Parameter::ZetaK, 0.0, 12.0);
+        assert!((back.value().unwrap() - zeta_k).abs() < 1e-7, "{h1}: {back:?}");
+    }
+    assert_eq!(find(at(3.6933, 0.0), Parameter::H1, 0.0, 0.4), Threshold::Always);
+    assert_eq!(find(at(3.6933, 0.0), Parameter::H1, 0.6, 1.0), Threshold::Never);
     for (parameter, low, high) in [(Parameter::Beta, 0.3, 1.0), (Parameter::OmegaK, 0.4, 2.0)] {
-        let search = Search::new(parameter, low, high).unwrap();
-        let found = threshold(&at(3.5, 0.5), &search).unwrap();
+        let found = find(at(3.5, 0.5), parameter, low, high);
         let value = found.value().unwrap_or_else(|| panic!("{parameter}: {found:?}"));
-        let back = threshold(&at(0.0, 0.5).with(parameter, value), &in_zeta_k).unwrap();
+        let back = find(at(0.0, 0.5).with(parameter, value), Parameter::ZetaK, 0.0, 12.0);
         assert!(
             (back.value().unwrap() - 3.5).abs() < 1e-7,
             "{parameter} = {value}: {back:?}"
@@ -228,11 +238,44 @@ fn thresholds_in_other_parameters_meet_those_in_zeta_k() {
     }
 }
 
+/// Every quantity of a machine that moves what M depends on has the threshold of its parameters.
+#[test]
+fn thresholds_in_quantities_of_a_machine_are_those_of_its_parameters() {
+    let description = Description::from_toml(machine::TEMPLATE).unwrap();
+    let cold = [(SiQuantity::WearCoefficient, 0.0), (SiQuantity::WearEnergyShare, 1.0)];
+    let fixed = Fixed::new(point(&[]), Some(description.complete(&cold).unwrap()));
+    let mut searched = Vec::new();
+    for quantity in fixed.machine().unwrap().quantities() {
+        let value = fixed.machine().unwrap().value(quantity);
+        let axis = Axis {
+            coordinate: quantity.into(),
+            start: 0.9 * value,
+            stop: 1.1 * value,
+            count: 41,
+        };
+        let found = match threshold(&fixed, &axis) {
+            Ok(found) => found,
+            Err(MelnikovError::NotAParameter { .. }) => continue,
+            // too little compression on a part of the range
+            Err(MelnikovError::NoHomoclinicOrbit { .. }) => continue,
+            Err(error) => panic!("{quantity}: {error}"),
+        };
+        searched.push(quantity);
+        if let Some(value) = found.value() {
+            let at = |value: f64| *fixed.at([(quantity.into(), value)]).parameters();
+            let sides = [0.999, 1.001].map(|factor| changes_sign(&at(factor * value)).unwrap());
+            assert_eq!(sides, found.changes_sign(), "{quantity}: {found:?}");
+        }
+    }
+    assert!(searched.contains(&SiQuantity::ShaftSpeedAmplitude) && searched.contains(&SiQuantity::Damping));
+    assert!(!searched.contains(&SiQuantity::HeatTransfer) && !searched.contains(&SiQuantity::Length));
+}
+
 #[test]
 fn what_cannot_be_searched_is_refused() {
-    let reason = |result: Result<Search, MelnikovError>| result.unwrap_err().to_string();
-    assert!(reason(Search::new(Parameter::Epsilon0, 0.0, 1.0)).contains("does not depend on epsilon_0"));
-    assert!(reason(Search::new(Parameter::ZetaK, 2.0, 1.0)).contains("lower one first"));
+    let axis = Axis::new(Parameter::Epsilon0, 0.1, 1.0, 9).unwrap();
+    let error = threshold(&point(&[]).into(), &axis).unwrap_err();
+    assert!(error.to_string().contains("does not depend on epsilon_0"));
     let error = Melnikov::new(&point(&[(Parameter::B, -1.0)])).unwrap_err();
     assert!(error.to_string().contains("b > 0"));
     let error = Melnikov::new(&point(&[(Parameter::Gamma, 1.87)])).unwrap_err();

@@ -1,128 +1,100 @@
-//! The threshold: the least value of a parameter at which M begins to change sign.
+//! The threshold: where M begins or ceases to change sign.
 //!
-//! Owns the search in one parameter; curves over a second one are made of it elsewhere.
+//! Owns the search along an axis and the border between two points; curves over two axes are made of them elsewhere.
 
-use super::extremes::Side;
-use super::{Melnikov, MelnikovError, check_parameter};
-use crate::parameters::{Parameter, ParameterSet};
+use super::{Melnikov, MelnikovError, check_depends};
+use crate::grid::{Axis, Fixed};
+use crate::parameters::ParameterSet;
 
-/// Halvings of the bracket: 2^-30 of a scan's step is about 1e-11 of the range.
-const HALVINGS: u32 = 30;
-
-/// Where a threshold is looked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Search {
-    pub parameter: Parameter,
-    pub low: f64,
-    pub high: f64,
-    /// Steps of the scan from `low` upward that brackets the first change; a stretch of sign changes that is shorter than a
-    /// step may be passed over.
-    pub steps: u32,
-}
-
-impl Search {
-    /// Steps that a search takes unless it is told otherwise.
-    pub const STEPS: u32 = 120;
-
-    /// # Errors
-    /// If M does not depend on the parameter, a bound is out of its range, or there is no range between them.
-    pub fn new(parameter: Parameter, low: f64, high: f64) -> Result<Self, MelnikovError> {
-        check_parameter(parameter)?;
-        if !(low < high && low.is_finite() && high.is_finite()) {
-            return Err(MelnikovError::Range {
-                name: parameter.name(),
-                low,
-                high,
-            });
-        }
-        Ok(Self {
-            parameter,
-            low,
-            high,
-            steps: Self::STEPS,
-        })
-    }
-}
-
-/// What a search found.
+/// The first change along a rising axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Threshold {
-    /// M changes sign from this value upward.
-    At(f64),
-    /// M changes sign at the lower end of the range already.
-    BelowRange,
-    /// M changes sign nowhere in the range, to the resolution of the scan.
+    /// M changes sign above this value, and not below.
+    Begins(f64),
+    /// M changes sign below this value, and not above.
+    Ceases(f64),
+    /// M changes sign at every value of the axis.
+    Always,
+    /// M changes sign at no value of the axis.
     Never,
 }
 
 impl Threshold {
     pub fn value(self) -> Option<f64> {
         match self {
-            Self::At(value) => Some(value),
-            Self::BelowRange | Self::Never => None,
+            Self::Begins(value) | Self::Ceases(value) => Some(value),
+            Self::Always | Self::Never => None,
+        }
+    }
+
+    /// Whether M changes sign below the threshold and above it; without one, on the whole axis.
+    pub fn changes_sign(self) -> [bool; 2] {
+        match self {
+            Self::Begins(_) => [false, true],
+            Self::Ceases(_) => [true, false],
+            Self::Always => [true, true],
+            Self::Never => [false, false],
         }
     }
 }
 
-/// The least value of the search's parameter, upward from its lower bound, at which M changes sign; the other parameters are
-/// those of `at`.
+/// The least value on a rising axis at which M begins or ceases to change sign; what is no axis is that of `at`. The axis'
+/// values bracket it: a stretch that is shorter than a step may be passed over.
 ///
 /// # Errors
-/// [`MelnikovError::NoHomoclinicOrbit`] if b is not positive somewhere on the way.
-pub fn threshold(at: &ParameterSet, search: &Search) -> Result<Threshold, MelnikovError> {
-    let Search {
-        parameter,
-        low,
-        high,
-        steps,
-    } = *search;
-    threshold_along(&|value| at.with(parameter, value), [low, high], steps)
-}
-
-/// As [`threshold`], along any path `at` through the parameters, from `low` upward to `high` in `steps` steps.
-///
-/// # Errors
-/// As [`threshold`].
-pub fn threshold_along(
-    at: &impl Fn(f64) -> ParameterSet,
-    [low, high]: [f64; 2],
-    steps: u32,
-) -> Result<Threshold, MelnikovError> {
-    let at = |value: f64| Melnikov::new(&at(value));
-    let changes = |value: f64| -> Result<bool, MelnikovError> { Ok(at(value)?.side() == Side::Both) };
-    if changes(low)? {
-        return Ok(Threshold::BelowRange);
-    }
-    let value = |k: u32| {
-        let t = f64::from(k) / f64::from(steps);
-        low * (1.0 - t) + high * t
-    };
-    for k in 1..=steps {
-        if changes(value(k))? {
-            let bracket = [value(k - 1), value(k)];
-            if let Some(found) = followed(&at, bracket)? {
-                // what the one extreme says must hold of the whole function
-                let margin = 1e-9 * (bracket[1] - bracket[0]);
-                if changes(found + margin)? && !changes(found - margin)? {
-                    return Ok(Threshold::At(found));
-                }
-            }
-            return Ok(Threshold::At(bisected(&changes, bracket)?));
+/// [`MelnikovError::NotAParameter`] if M does not depend on the axis' coordinate, [`MelnikovError::NoHomoclinicOrbit`] if b
+/// is not positive somewhere on the way, [`MelnikovError::Rubbed`] if there is frictional heat or wear.
+pub fn threshold(at: &Fixed, along: &Axis) -> Result<Threshold, MelnikovError> {
+    check_depends(at, along.coordinate)?;
+    let at = |value: f64| *at.at([(along.coordinate, value)]).parameters();
+    let at_first = changes_sign(&at(along.start))?;
+    for index in 1..along.count {
+        let [last, next] = [along.value(index - 1), along.value(index)];
+        if changes_sign(&at(next))? != at_first {
+            return Ok(if at_first {
+                Threshold::Ceases(border(&at, [next, last])?)
+            } else {
+                Threshold::Begins(border(&at, [last, next])?)
+            });
         }
     }
-    Ok(Threshold::Never)
+    Ok(if at_first { Threshold::Always } else { Threshold::Never })
+}
+
+/// Whether M changes sign.
+///
+/// # Errors
+/// As [`Melnikov::new`].
+pub fn changes_sign(at: &ParameterSet) -> Result<bool, MelnikovError> {
+    Ok(Melnikov::new(at)?.changes_sign())
+}
+
+/// The value at which M begins to change sign on the path `at` through the parameters, from the value `outside`, where it does
+/// not, to the value `inside`, where it does.
+///
+/// # Errors
+/// As [`Melnikov::new`].
+pub fn border(at: &impl Fn(f64) -> ParameterSet, [outside, inside]: [f64; 2]) -> Result<f64, MelnikovError> {
+    if let Some(found) = followed(at, [outside, inside])? {
+        // what the one extreme says must hold of the whole function
+        let margin = 1e-9 * (inside - outside);
+        if changes_sign(&at(found + margin))? && !changes_sign(&at(found - margin))? {
+            return Ok(found);
+        }
+    }
+    bisected(at, [outside, inside])
 }
 
 /// Steps of the secant method; it takes about seven.
 const STEPS: u32 = 40;
 
-/// The zero of the extreme that crosses zero within the bracket, followed from its upper end by the Illinois variant of false
+/// The zero of the extreme that crosses zero on the path, followed from its inside by the Illinois variant of false
 /// position; None if it does not cross there, which other extremes may do.
 fn followed(
-    at: &impl Fn(f64) -> Result<Melnikov, MelnikovError>,
-    [mut low, mut high]: [f64; 2],
+    at: &impl Fn(f64) -> ParameterSet,
+    [mut outside, mut inside]: [f64; 2],
 ) -> Result<Option<f64>, MelnikovError> {
-    let extremes = at(high)?.extremes();
+    let extremes = Melnikov::new(&at(inside))?.extremes();
     // of the two sides the one that M has just reached is the shallower
     let (mut tau_0, sign) = if -extremes.minimum < extremes.maximum {
         (extremes.minimum_at, -1.0)
@@ -130,46 +102,46 @@ fn followed(
         (extremes.maximum_at, 1.0)
     };
     let mut peak = |value: f64| {
-        let (time, peak) = at(value)?.peak_near(tau_0, sign);
+        let (time, peak) = Melnikov::new(&at(value))?.peak_near(tau_0, sign);
         tau_0 = time;
         Ok::<f64, MelnikovError>(peak)
     };
-    let (mut at_high, mut at_low) = (peak(high)?, peak(low)?);
-    if !(at_low < 0.0 && at_high > 0.0) {
+    let (mut at_inside, mut at_outside) = (peak(inside)?, peak(outside)?);
+    if !(at_outside < 0.0 && at_inside > 0.0) {
         return Ok(None);
     }
-    let tolerance = 1e-13 * (high - low);
+    let tolerance = 1e-13 * (inside - outside).abs();
     let mut last_side = 0;
     for _ in 0..STEPS {
-        let next = (low * at_high - high * at_low) / (at_high - at_low);
+        let next = (outside * at_inside - inside * at_outside) / (at_inside - at_outside);
         let at_next = peak(next)?;
         if at_next > 0.0 {
-            (high, at_high) = (next, at_next);
-            at_low *= if last_side == 1 { 0.5 } else { 1.0 };
+            (inside, at_inside) = (next, at_next);
+            at_outside *= if last_side == 1 { 0.5 } else { 1.0 };
             last_side = 1;
         } else {
-            (low, at_low) = (next, at_next);
-            at_high *= if last_side == -1 { 0.5 } else { 1.0 };
+            (outside, at_outside) = (next, at_next);
+            at_inside *= if last_side == -1 { 0.5 } else { 1.0 };
             last_side = -1;
         }
-        if high - low < tolerance || at_next.abs() < 1e-12 {
+        if (inside - outside).abs() < tolerance || at_next.abs() < 1e-12 {
             return Ok(Some(next));
         }
     }
     Ok(None)
 }
 
-fn bisected(
-    changes: &impl Fn(f64) -> Result<bool, MelnikovError>,
-    [mut low, mut high]: [f64; 2],
-) -> Result<f64, MelnikovError> {
+/// Halvings of the bracket: 2^-30 of a scan's step is about 1e-11 of the range.
+const HALVINGS: u32 = 30;
+
+fn bisected(at: &impl Fn(f64) -> ParameterSet, [mut outside, mut inside]: [f64; 2]) -> Result<f64, MelnikovError> {
     for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if changes(middle)? {
-            high = middle;
+        let middle = 0.5 * (outside + inside);
+        if changes_sign(&at(middle))? {
+            inside = middle;
         } else {
-            low = middle;
+            outside = middle;
         }
     }
-    Ok(0.5 * (low + high))
+    Ok(0.5 * (outside + inside))
 }

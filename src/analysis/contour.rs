@@ -1,0 +1,109 @@
+//! The border of a region on a grid of points: marching squares.
+//!
+//! Owns which edges of the grid the border crosses, and in which order; where on an edge it does, the caller finds.
+
+use std::collections::BTreeMap;
+
+/// The way from a point of the grid to its neighbour, which comes after it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Edge {
+    pub from: usize,
+    pub to: usize,
+}
+
+/// The border as lines, each the edges that it crosses from one end to the other; a closed one ends with its first edge.
+/// `inside` tells of each point whether it lies within the region, rows of `columns` points each; where that is None no line
+/// passes.
+pub fn lines(inside: &[Option<bool>], columns: usize) -> Vec<Vec<Edge>> {
+    let mut links: BTreeMap<Edge, Vec<Edge>> = BTreeMap::new();
+    for cell in 0..inside.len().saturating_sub(columns) {
+        if cell % columns == columns - 1 {
+            continue;
+        }
+        for [a, b] in crossed(inside, columns, cell) {
+            links.entry(a).or_default().push(b);
+            links.entry(b).or_default().push(a);
+        }
+    }
+    // ends first: what is left when the open lines have been walked is closed
+    let (ends, others): (Vec<_>, Vec<_>) = links.keys().copied().partition(|edge| links[edge].len() == 1);
+    let mut lines = Vec::new();
+    for start in ends.into_iter().chain(others) {
+        let mut line = vec![start];
+        let mut here = start;
+        while let Some(next) = links.get_mut(&here).and_then(Vec::pop) {
+            links
+                .get_mut(&next)
+                .expect("links are mutual")
+                .retain(|edge| *edge != here);
+            line.push(next);
+            here = next;
+        }
+        // else the start is a part of a line already
+        if line.len() > 1 {
+            lines.push(line);
+        }
+    }
+    lines
+}
+
+/// The strokes of the border through the cell whose first corner is a point, each from one edge of the cell to another.
+fn crossed(inside: &[Option<bool>], columns: usize, cell: usize) -> Vec<[Edge; 2]> {
+    let corners = [cell, cell + 1, cell + columns + 1, cell + columns];
+    let edge = |side: usize| {
+        let ends = [corners[side], corners[(side + 1) % 4]];
+        Edge {
+            from: ends[0].min(ends[1]),
+            to: ends[0].max(ends[1]),
+        }
+    };
+    let [Some(a), Some(b), Some(c), Some(d)] = corners.map(|corner| inside[corner]) else {
+        return Vec::new();
+    };
+    let sides: Vec<usize> = (0..4).filter(|&side| [a != b, b != c, c != d, d != a][side]).collect();
+    match sides[..] {
+        [] => Vec::new(),
+        [one, other] => vec![[edge(one), edge(other)]],
+        // a saddle: its corners inside are taken for two regions, not for one that is as narrow as can be
+        _ if a => vec![[edge(3), edge(0)], [edge(1), edge(2)]],
+        _ => vec![[edge(0), edge(1)], [edge(2), edge(3)]],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(picture: &[&str]) -> Vec<Vec<Edge>> {
+        let points = picture.iter().flat_map(|row| row.chars()).map(|point| match point {
+            '#' => Some(true),
+            '.' => Some(false),
+            _ => None,
+        });
+        lines(&points.collect::<Vec<_>>(), picture[0].len())
+    }
+
+    #[test]
+    fn a_border_from_edge_to_edge_is_one_line() {
+        let lines = of(&["..##", ".###", "..##"]);
+        let pairs: Vec<(usize, usize)> = lines[0].iter().map(|edge| (edge.from, edge.to)).collect();
+        assert_eq!(lines.len(), 1);
+        assert_eq!(pairs, [(1, 2), (1, 5), (4, 5), (5, 9), (9, 10)]);
+    }
+
+    #[test]
+    fn an_island_has_a_closed_border_and_a_saddle_two() {
+        let island = of(&["....", ".##.", "...."]);
+        assert_eq!((island.len(), island[0].len()), (1, 7));
+        assert_eq!(island[0].first(), island[0].last());
+        let saddle = of(&["....", ".#..", "..#.", "...."]);
+        assert_eq!(saddle.iter().map(Vec::len).collect::<Vec<_>>(), [5, 5]);
+    }
+
+    #[test]
+    fn no_line_passes_where_nothing_is_known_and_none_is_where_all_is_one() {
+        assert_eq!(of(&["?#.", "?#.", "?#."]).len(), 1);
+        assert!(of(&["?#", ".?"]).is_empty());
+        assert!(of(&["##", "##"]).is_empty() && of(&["..", ".."]).is_empty());
+    }
+}
