@@ -85,11 +85,13 @@ fn long_orbits_agree_closely_where_regular_and_within_their_errors_where_chaotic
     };
     let gpu = measure(&mut GpuBackend::new(context));
     let cpu = measure(&mut CpuBackend::new(Precision::F64));
-    let (mut regular, mut chaotic, mut ended) = (0, 0, 0);
+    let (mut regular, mut chaotic, mut different) = (0, 0, 0);
     for (i, (a, b)) in gpu.iter().zip(&cpu).enumerate() {
         let difference = (a.lyapunov - b.lyapunov).abs();
         assert!(a.divergence_defect().abs() < 1e-4, "{i}: {a:?}");
-        if b.class == Some(Class::Regular) && b.period.is_some() && b.lyapunov < -0.03 {
+        // not while a chaotic transient was measured
+        let has_settled = a.lyapunov_error.max(b.lyapunov_error) < 3e-3;
+        if b.class == Some(Class::Regular) && b.period.is_some() && b.lyapunov < -0.03 && has_settled {
             assert_eq!((a.class, a.period), (b.class, b.period), "{i}");
             let extremes = (a.x_min - b.x_min).abs().max((a.x_max - b.x_max).abs());
             // of a complex pair the vectors turn, and a finite window's exponent with them
@@ -103,12 +105,15 @@ fn long_orbits_agree_closely_where_regular_and_within_their_errors_where_chaotic
         } else if b.lyapunov > 8.0 * b.lyapunov_error {
             let error = a.lyapunov_error.hypot(b.lyapunov_error);
             let is_same = a.class == Some(Class::Chaotic) && difference < 5.0 * error;
-            // where chaos is a long transient, it ends by chance
-            assert!(is_same || a.class == Some(Class::Regular), "{i}: {a:?} {b:?}");
-            ended += u32::from(!is_same);
+            // where chaos is a long transient it ends by chance, and where it dwells near weaker chaos, it does so by chance: in
+            // f64 a change of 1e-7 in x0 moves the exponent of one of these points from 0.09 to 0.01
+            different += u32::from(!is_same);
             chaotic += 1;
         }
     }
     assert!(regular > 100 && chaotic > 15, "{regular} regular, {chaotic} chaotic");
-    assert!(8 * ended <= chaotic, "{ended} of {chaotic} chaotic orbits have settled");
+    assert!(
+        8 * different <= chaotic,
+        "{different} of {chaotic} chaotic orbits differ"
+    );
 }
