@@ -54,11 +54,11 @@ pub fn threads() -> Result<Vec<Threads>, BackendError> {
             pool.build().expect("threads can be started")
         })
         .collect();
-    let points = points(8 * 4096);
+    let points = points(all * 4096);
     let mut rounds = Vec::new();
     for _ in 0..ROUNDS {
         let times: Result<Vec<f64>, BackendError> =
-            pools.iter().map(|pool| pool.install(|| time(&points, 16))).collect();
+            pools.iter().map(|pool| pool.install(|| time(&points, 128))).collect();
         rounds.push(times?);
     }
     Ok(counts
@@ -83,7 +83,9 @@ pub fn sizes() -> Result<Vec<Points>, BackendError> {
             let points = points(count);
             // the largest map once, smaller ones as often as it takes for a median
             let rounds = if count < 1_000_000 { ROUNDS } else { 1 };
-            let times: Result<Vec<f64>, BackendError> = (0..rounds).map(|_| time(&points, 8)).collect();
+            // a few points are carried further: threads take a while to wake
+            let periods = (1_000_000 / count).clamp(8, 128) as u32;
+            let times: Result<Vec<f64>, BackendError> = (0..rounds).map(|_| time(&points, periods)).collect();
             Ok(Points {
                 points: count,
                 ns_per_instance_period: median(times?),
