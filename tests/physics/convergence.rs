@@ -1,4 +1,4 @@
-//! The README's tables of accuracy with heat and wear: errors over the whole range of zeta_k at the paper's preset. Run
+//! The README's tables of accuracy with heat and wear, over the whole range of zeta_k and near 4, at the paper's preset. Run
 //! by `cargo test --test physics convergence -- --ignored --nocapture`.
 
 use std::ops::ControlFlow;
@@ -9,18 +9,21 @@ use tribochaos::experiment::{Precision, Preset, Settings};
 use tribochaos::measurement::{Class, Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
-/// Points over zeta_k = 0..12.
+/// Ends of zeta_k: its whole range, and where chaos sets in without heat.
+const WHOLE: [f64; 2] = [0.0, 12.0];
+const NEAR_4: [f64; 2] = [3.5, 4.5];
+
+/// Points over a range of zeta_k.
 const POINTS: u32 = 97;
 
-fn points(k_w: f64) -> Vec<ParameterSet> {
+fn points([low, high]: [f64; 2], k_w: f64) -> Vec<ParameterSet> {
     let set = Preset::Paper.parameters().with(Parameter::KW, k_w);
-    (0..POINTS)
-        .map(|i| set.with(Parameter::ZetaK, 12.0 * f64::from(i) / f64::from(POINTS - 1)))
-        .collect()
+    let value = |i| low + (high - low) * f64::from(i) / f64::from(POINTS - 1);
+    (0..POINTS).map(|i| set.with(Parameter::ZetaK, value(i))).collect()
 }
 
 /// The measurements with wear over 40 periods, and without over 200 + 100.
-fn measure(precision: Precision, modes: u32, tolerance: f64) -> [Vec<Measurement>; 2] {
+fn measure(zeta_k: [f64; 2], precision: Precision, modes: u32, tolerance: f64) -> [Vec<Measurement>; 2] {
     let settings = Settings {
         modes,
         tolerance,
@@ -34,9 +37,11 @@ fn measure(precision: Precision, modes: u32, tolerance: f64) -> [Vec<Measurement
     };
     [(&wearing, 0.01), (&settings, 0.0)].map(|(settings, k_w)| {
         let mut backend = CpuBackend::new(precision);
-        measure_batch(&mut backend, settings, &points(k_w), &mut |_| ControlFlow::Continue(()))
-            .unwrap()
-            .unwrap()
+        measure_batch(&mut backend, settings, &points(zeta_k, k_w), &mut |_| {
+            ControlFlow::Continue(())
+        })
+        .unwrap()
+        .unwrap()
     })
 }
 
@@ -79,25 +84,43 @@ fn row(name: &str, found: &[Vec<Measurement>; 2], exact: &[Vec<Measurement>; 2])
     println!(" {} |", all.filter(|m| m.status != Status::Ok).count());
 }
 
-#[test]
-#[ignore = "minutes: it prints the README's tables"]
-fn convergence_tables() {
+fn head(what: &str) {
     println!(
-        "| | tau_c | wear | peak pressure | peak temperature | exponent of finite time | exponent, k_w = 0 | not ok |"
+        "| {what} | tau_c | wear | peak pressure | peak temperature | exponent of finite time | exponent, k_w = 0 | not ok |"
     );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
-    let exact = measure(Precision::F64, 12, 1e-8);
+}
+
+#[test]
+#[ignore = "it prints the README's tables"]
+fn convergence_tables() {
+    head("zeta_k = 0..12");
+    let measured = |precision, modes, tolerance| measure(WHOLE, precision, modes, tolerance);
+    let exact = measured(Precision::F64, 12, 1e-8);
     for precision in [Precision::F64, Precision::F32] {
         for tolerance in [1e-3, 2e-4, 1e-5, 1e-6] {
             row(
                 &format!("{precision:?}, tolerance {tolerance:.0e}"),
-                &measure(precision, 12, tolerance),
+                &measured(precision, 12, tolerance),
                 &exact,
             );
         }
     }
-    let exact = measure(Precision::F64, 48, 1e-6);
+    let exact = measured(Precision::F64, 48, 1e-6);
     for modes in [4, 6, 8, 12, 16, 24] {
-        row(&format!("{modes} modes"), &measure(Precision::F64, modes, 1e-6), &exact);
+        row(
+            &format!("{modes} modes"),
+            &measured(Precision::F64, modes, 1e-6),
+            &exact,
+        );
+    }
+    head("zeta_k = 3.5..4.5, default tolerance");
+    let measured = |precision, modes, tolerance| measure(NEAR_4, precision, modes, tolerance);
+    let exact = measured(Precision::F64, 48, 1e-8);
+    for precision in [Precision::F64, Precision::F32] {
+        for modes in [8, 12] {
+            let found = measured(precision, modes, Settings::default().tolerance);
+            row(&format!("{precision:?}, {modes} modes"), &found, &exact);
+        }
     }
 }
