@@ -12,7 +12,7 @@ mod pipelines;
 pub mod rubbed;
 pub mod shader_source;
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 pub use adapter::{AdapterDescription, adapters};
 pub use context::GpuContext;
@@ -55,6 +55,7 @@ impl GpuBackend {
             steps_per_period: 0,
             workgroup_size: context.pipelines().workgroup_size(),
             max_workgroups: context.device().limits().max_compute_workgroups_per_dimension,
+            most_periods: u32::MAX,
         };
         Self {
             context,
@@ -123,39 +124,15 @@ impl GpuBackend {
     /// Carries the batch on by a slice through all of whose periods it goes in the same way, in as many dispatches as that
     /// takes.
     fn advance_alike(&mut self, kernel: Kernel, slice: &Slice) -> Result<(), BackendError> {
-        let load = self.load;
-        let mut done = 0;
-        while done < slice.periods {
-            let periods = self.pacer(kernel).periods(&load, slice.periods - done);
-            let mut first_instance = 0;
-            while first_instance < load.instances {
-                let left = load.instances - first_instance;
-                let instances = self.pacer(kernel).instances(&load, periods, left);
-                let started = Instant::now();
-                self.dispatch(
-                    kernel,
-                    Span {
-                        first_instance,
-                        instances,
-                        first: slice.first + done,
-                        periods,
-                        elapsed: slice.elapsed + done,
-                        measured: u32::from(slice.stage == Stage::Measure),
-                    },
-                )?;
-                self.pacer(kernel).record(&load, periods, instances, started.elapsed());
-                first_instance += instances;
-            }
-            done += periods;
-        }
-        Ok(())
+        let mut pacer = self.pacers[self.scheme as usize][kernel as usize].clone();
+        let done = pacer.dispatch(&self.load, slice, |span| self.dispatch(kernel, span));
+        self.pacers[self.scheme as usize][kernel as usize] = pacer;
+        done
     }
 
-    fn pacer(&mut self, kernel: Kernel) -> &mut Pacer {
-        &mut self.pacers[self.scheme as usize][kernel as usize]
-    }
-
-    fn dispatch(&self, kernel: Kernel, span: Span) -> Result<(), BackendError> {
+    /// Returns how long it took.
+    fn dispatch(&self, kernel: Kernel, span: Span) -> Result<Duration, BackendError> {
+        let started = Instant::now();
         let buffers = self.buffers();
         let pipelines = self.context.pipelines();
         buffers.set_span(&self.context, span);
@@ -167,7 +144,8 @@ impl GpuBackend {
         pass.dispatch_workgroups(span.instances.div_ceil(pipelines.workgroup_size()), 1, 1);
         drop(pass);
         self.context.queue().submit([encoder.finish()]);
-        self.context.wait()
+        self.context.wait()?;
+        Ok(started.elapsed())
     }
 }
 

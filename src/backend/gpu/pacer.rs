@@ -1,9 +1,12 @@
 //! How much of a slice one dispatch carries out.
 //!
 //! Owns the arithmetic that keeps dispatches short enough for drivers, which take a device that does not answer for
-//! about two seconds for hung, and long enough to be worth their overhead; dispatches nothing itself.
+//! about two seconds for hung, and long enough to be worth their overhead; what a dispatch is, the backend knows.
 
 use std::time::Duration;
+
+use super::layout::Span;
+use crate::backend::{Slice, Stage};
 
 /// What dispatches are sized to.
 const TARGET: Duration = Duration::from_millis(75);
@@ -23,6 +26,8 @@ pub struct Load {
     pub workgroup_size: u32,
     /// The device's limit of workgroups in a dispatch.
     pub max_workgroups: u32,
+    /// Most periods of a dispatch, however short they are.
+    pub most_periods: u32,
 }
 
 impl Load {
@@ -46,8 +51,40 @@ impl Default for Pacer {
 }
 
 impl Pacer {
+    /// Carries a batch on by a slice in as many dispatches as that takes, each of which tells how long it took.
+    ///
+    /// # Errors
+    /// Those of `dispatch`, at the first.
+    pub fn dispatch<E>(
+        &mut self,
+        load: &Load,
+        slice: &Slice,
+        mut dispatch: impl FnMut(Span) -> Result<Duration, E>,
+    ) -> Result<(), E> {
+        let mut done = 0;
+        while done < slice.periods {
+            let periods = self.periods(load, (slice.periods - done).min(load.most_periods));
+            let mut first_instance = 0;
+            while first_instance < load.instances {
+                let instances = self.instances(load, periods, load.instances - first_instance);
+                let elapsed = dispatch(Span {
+                    first_instance,
+                    instances,
+                    first: slice.first + done,
+                    periods,
+                    elapsed: slice.elapsed + done,
+                    measured: u32::from(slice.stage == Stage::Measure),
+                })?;
+                self.record(load, periods, instances, elapsed);
+                first_instance += instances;
+            }
+            done += periods;
+        }
+        Ok(())
+    }
+
     /// Periods that the whole batch is carried on by, of `left`: one at least, in as many dispatches as that takes.
-    pub fn periods(&self, load: &Load, left: u32) -> u32 {
+    fn periods(&self, load: &Load, left: u32) -> u32 {
         let workgroups = load.instances.div_ceil(load.workgroup_size);
         let periods = self.steps / (u64::from(workgroups.max(1)) * load.workgroup_steps(1));
         periods.clamp(1, left.into()) as u32
@@ -55,7 +92,7 @@ impl Pacer {
 
     /// Instances that the next dispatch carries on by `periods`, of `left`: whole workgroups, and ranges of nearly
     /// equal size, since a small last one would leave the device idle.
-    pub fn instances(&self, load: &Load, periods: u32, left: u32) -> u32 {
+    fn instances(&self, load: &Load, periods: u32, left: u32) -> u32 {
         let most = (self.steps / load.workgroup_steps(periods)).clamp(1, load.max_workgroups.into()) as u32;
         let workgroups = left.div_ceil(load.workgroup_size);
         let ranges = workgroups.div_ceil(most);
@@ -63,7 +100,7 @@ impl Pacer {
     }
 
     /// Learns that a dispatch of so many periods of so many instances took `elapsed`.
-    pub fn record(&mut self, load: &Load, periods: u32, instances: u32, elapsed: Duration) {
+    fn record(&mut self, load: &Load, periods: u32, instances: u32, elapsed: Duration) {
         let steps = f64::from(periods) * f64::from(instances) * f64::from(load.steps_per_period);
         let factor = TARGET.as_secs_f64() / elapsed.as_secs_f64().max(1e-9);
         if elapsed > LONGEST {
@@ -84,28 +121,33 @@ mod tests {
         steps_per_period: 628,
         workgroup_size: 64,
         max_workgroups: 65535,
+        most_periods: u32::MAX,
     };
 
-    /// Carries a batch on as the backend does; returns each dispatch's size and duration on a device with so many
-    /// seconds a step.
+    /// Carries a batch on; returns each dispatch's size and duration on a device with so many seconds a step.
     fn run(pacer: &mut Pacer, load: &Load, periods: u32, seconds_a_step: f64) -> Vec<(u32, u32, f64)> {
         let mut dispatches = Vec::new();
-        let mut done = 0;
-        while done < periods {
-            let chunk = pacer.periods(load, periods - done);
-            let mut first = 0;
-            while first < load.instances {
-                let count = pacer.instances(load, chunk, load.instances - first);
-                let steps = f64::from(chunk) * f64::from(count) * f64::from(load.steps_per_period);
-                let seconds = steps * seconds_a_step;
-                pacer.record(load, chunk, count, Duration::from_secs_f64(seconds));
-                dispatches.push((chunk, count, seconds));
-                first += count;
+        let (mut done, mut first_instance) = (0, 0);
+        let slice = Slice {
+            stage: Stage::Transient,
+            first: 0,
+            periods,
+            elapsed: 0,
+        };
+        let whole = pacer.dispatch(load, &slice, |span| {
+            assert_eq!((span.first, span.first_instance), (done, first_instance));
+            first_instance += span.instances;
+            assert!(first_instance <= load.instances);
+            if first_instance == load.instances {
+                first_instance = 0;
+                done += span.periods;
             }
-            assert_eq!(first, load.instances);
-            done += chunk;
-        }
-        assert_eq!(done, periods);
+            let steps = f64::from(span.periods) * f64::from(span.instances) * f64::from(load.steps_per_period);
+            let seconds = steps * seconds_a_step;
+            dispatches.push((span.periods, span.instances, seconds));
+            Ok::<_, std::convert::Infallible>(Duration::from_secs_f64(seconds))
+        });
+        assert_eq!((whole, done, first_instance), (Ok(()), periods, 0));
         dispatches
     }
 

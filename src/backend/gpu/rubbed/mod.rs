@@ -8,7 +8,7 @@ pub mod layout;
 mod pipelines;
 pub mod shader_source;
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use self::buffers::Buffers;
 use self::pipelines::Pipelines;
@@ -66,6 +66,7 @@ impl RubbedBatch {
             load: Load {
                 instances: instances.len() as u32,
                 steps_per_period: STEPS_PER_PERIOD,
+                most_periods: MOST_PERIODS,
                 ..load
             },
             pacers: Default::default(),
@@ -74,37 +75,15 @@ impl RubbedBatch {
 
     pub fn advance(&mut self, context: &GpuContext, slice: &Slice) -> Result<(), BackendError> {
         let carries_tangent = slice.stage != Stage::Transient;
-        let load = self.load;
-        let mut done = 0;
-        while done < slice.periods {
-            let left = (slice.periods - done).min(MOST_PERIODS);
-            let periods = self.pacers[usize::from(carries_tangent)].periods(&load, left);
-            let mut first_instance = 0;
-            while first_instance < load.instances {
-                let pacer = &self.pacers[usize::from(carries_tangent)];
-                let instances = pacer.instances(&load, periods, load.instances - first_instance);
-                let started = Instant::now();
-                self.dispatch(
-                    context,
-                    carries_tangent,
-                    Span {
-                        first_instance,
-                        instances,
-                        first: slice.first + done,
-                        periods,
-                        elapsed: slice.elapsed + done,
-                        measured: u32::from(slice.stage == Stage::Measure),
-                    },
-                )?;
-                self.pacers[usize::from(carries_tangent)].record(&load, periods, instances, started.elapsed());
-                first_instance += instances;
-            }
-            done += periods;
-        }
-        Ok(())
+        let mut pacer = self.pacers[usize::from(carries_tangent)].clone();
+        let done = pacer.dispatch(&self.load, slice, |span| self.dispatch(context, carries_tangent, span));
+        self.pacers[usize::from(carries_tangent)] = pacer;
+        done
     }
 
-    fn dispatch(&self, context: &GpuContext, carries_tangent: bool, span: Span) -> Result<(), BackendError> {
+    /// Returns how long it took.
+    fn dispatch(&self, context: &GpuContext, carries_tangent: bool, span: Span) -> Result<Duration, BackendError> {
+        let started = Instant::now();
         self.buffers.set_span(context, span);
         let mut encoder = context.device().create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());
@@ -113,7 +92,8 @@ impl RubbedBatch {
         pass.dispatch_workgroups(span.instances.div_ceil(self.load.workgroup_size), 1, 1);
         drop(pass);
         context.queue().submit([encoder.finish()]);
-        context.wait()
+        context.wait()?;
+        Ok(started.elapsed())
     }
 
     pub fn collect(&self, context: &GpuContext) -> Result<Vec<Sums>, BackendError> {
