@@ -19,9 +19,9 @@ struct State {
     x: f32,
     // Angular speed times the unit of time.
     w: f32,
-    // Of the drive's phase, advanced by rotation; a period's start sets them anew.
-    sin_z: f32,
-    cos_z: f32,
+    // Zeta_k sin z and zeta_k cos z, times the unit of time: advanced by rotation; a period's start sets them anew.
+    drive: f32,
+    drive_slope: f32,
     // Index of the piece of the friction law that v moves on.
     piece: f32,
     // Ticks to the period's end.
@@ -64,14 +64,13 @@ fn flow_new(value: Parameters) -> Flow {
 
 // The state at the beginning of a period.
 fn state_start(flow: Flow, x: f32, w: f32, ticks: u32) -> State {
-    return State(x, w, 0.0, 1.0, piece_index(flow.friction, flow.omega_k - w), ticks);
+    return State(x, w, 0.0, flow.zeta_k, piece_index(flow.friction, flow.omega_k - w), ticks);
 }
 
 // Takes a step: to the boundary of the piece, or as far as it may reach.
 fn taylor_step(flow: Flow, state: State) -> Step {
     let piece = friction_piece(flow.friction, state.piece, flow.epsilon_0);
-    let drive = flow.zeta_k * state.sin_z;
-    let v = flow.omega_k + drive - state.w;
+    let v = flow.omega_k + state.drive - state.w;
     let series = series_new(Local(
         flow.linear,
         flow.minus_b,
@@ -80,8 +79,8 @@ fn taylor_step(flow: Flow, state: State) -> Step {
         piece.a_1,
         piece.a_2,
         flow.friction.beta,
-        drive,
-        flow.zeta_k * state.cos_z,
+        state.drive,
+        state.drive_slope,
         state.x,
         state.w,
         v,
@@ -91,12 +90,12 @@ fn taylor_step(flow: Flow, state: State) -> Step {
 
     let ticks = min(u32(max(reached.s, LEAST_STEP) * TICKS_PER_UNIT), state.left);
     let s = f32(ticks) / TICKS_PER_UNIT;
-    let rotated = rotate(state.sin_z, state.cos_z, s);
+    let drive = rotated(state.drive, state.drive_slope, s);
     let end = State(
         x_at(series, s),
         w_at(series, s),
-        rotated.x,
-        rotated.y,
+        drive.x,
+        drive.y,
         state.piece + reached.change,
         state.left - ticks,
     );
@@ -145,12 +144,12 @@ fn leave(flow: Flow, piece: Piece, series: Series, trial: f32) -> Leave {
     let beyond = change * (v_start - boundary);
     let bend = change * 0.5 * (series.v_0 - 2.0 * v_middle + v_end);
     let slope = change * (v_stop - v_start) - bend;
-    let root = sqrt(max(fma(slope, slope, -(4.0 * bend * beyond)), 0.0));
+    let root = sqrt(max(fma(slope, slope, -(4.0 * bend * beyond)), SMALLEST_SLOPE_SQUARE));
     let goes_out = 0.0 < slope;
     let part = select(root - slope, -2.0 * beyond, goes_out) / select(2.0 * bend, slope + root, goes_out);
     let guess = clamp(fma(part, middle, start), start, stop);
-    // the parabola's slope there serves as that of v
-    let step_per_v = change * middle / fma(2.0 * bend, part, slope);
+    // the parabola's slope there, which is the root, serves as that of v
+    let step_per_v = change * middle / root;
     let newton = clamp(fma(boundary - v_at(series, guess), step_per_v, guess), start, stop);
     // where the parabola is no guide, Newton's step may go astray, back to where it started from: the lane then takes a
     // part of the way, and looks again from there
@@ -159,26 +158,6 @@ fn leave(flow: Flow, piece: Piece, series: Series, trial: f32) -> Leave {
     return Leave(
         select(trial, select(closer, newton, found), left),
         select(0.0, change, left && found),
-    );
-}
-
-// Sine and cosine of the drive's phase, s units of time on.
-fn rotate(sin_z: f32, cos_z: f32, s: f32) -> vec2<f32> {
-    let angle = s * (TAU / UNITS_PER_PERIOD);
-    let square = angle * angle;
-    var sine = 1.0 / 362880.0;
-    sine = fma(sine, square, -1.0 / 5040.0);
-    sine = fma(sine, square, 1.0 / 120.0);
-    sine = fma(sine, square, -1.0 / 6.0);
-    sine = fma(sine, square, 1.0) * angle;
-    // 1 - cos: small, so that the sums below are rounded only once
-    var versine = -1.0 / 40320.0;
-    versine = fma(versine, square, 1.0 / 720.0);
-    versine = fma(versine, square, -1.0 / 24.0);
-    versine = fma(versine, square, 0.5) * square;
-    return vec2(
-        sin_z + (cos_z * sine - sin_z * versine),
-        cos_z - (sin_z * sine + cos_z * versine),
     );
 }
 

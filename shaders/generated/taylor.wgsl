@@ -9,8 +9,7 @@ const BEYOND: f32 = 0.0002;
 const AT_BOUNDARY: f32 = 0.0001;
 const ON_BOUNDARY: f32 = 0.01;
 const TICKS_PER_UNIT: f32 = 8388608.0;
-const UNITS_PER_PERIOD: f32 = 32.0;
-const TAU: f32 = 6.283185307179586;
+const SMALLEST_SLOPE_SQUARE: f32 = 1e-30;
 const TICKS_PER_PERIOD: u32 = 268435456u;
 const RENEWAL_STEPS: u32 = 8u;
 const MAX_PASSES: u32 = 4096u;
@@ -343,39 +342,42 @@ fn series_new(local: Local) -> Series {
 }
 
 fn x_at(series: Series, s: f32) -> f32 {
-    let t0 = fma(series.x_8, s, series.x_7);
-    let t1 = fma(t0, s, series.x_6);
-    let t2 = fma(t1, s, series.x_5);
-    let t3 = fma(t2, s, series.x_4);
-    let t4 = fma(t3, s, series.x_3);
-    let t5 = fma(t4, s, series.x_2);
-    let t6 = fma(t5, s, series.x_1);
-    let t7 = fma(t6, s, series.x_0);
-    return t7;
+    let t0 = s * s;
+    let t1 = fma(series.x_8, t0, series.x_6);
+    let t2 = fma(t1, t0, series.x_4);
+    let t3 = fma(t2, t0, series.x_2);
+    let t4 = fma(t3, t0, series.x_0);
+    let t5 = fma(series.x_7, t0, series.x_5);
+    let t6 = fma(t5, t0, series.x_3);
+    let t7 = fma(t6, t0, series.x_1);
+    let t8 = fma(t7, s, t4);
+    return t8;
 }
 
 fn w_at(series: Series, s: f32) -> f32 {
-    let t0 = fma(series.w_8, s, series.w_7);
-    let t1 = fma(t0, s, series.w_6);
-    let t2 = fma(t1, s, series.w_5);
-    let t3 = fma(t2, s, series.w_4);
-    let t4 = fma(t3, s, series.w_3);
-    let t5 = fma(t4, s, series.w_2);
-    let t6 = fma(t5, s, series.w_1);
-    let t7 = fma(t6, s, series.w_0);
-    return t7;
+    let t0 = s * s;
+    let t1 = fma(series.w_8, t0, series.w_6);
+    let t2 = fma(t1, t0, series.w_4);
+    let t3 = fma(t2, t0, series.w_2);
+    let t4 = fma(t3, t0, series.w_0);
+    let t5 = fma(series.w_7, t0, series.w_5);
+    let t6 = fma(t5, t0, series.w_3);
+    let t7 = fma(t6, t0, series.w_1);
+    let t8 = fma(t7, s, t4);
+    return t8;
 }
 
 fn v_at(series: Series, s: f32) -> f32 {
-    let t0 = fma(series.v_8, s, series.v_7);
-    let t1 = fma(t0, s, series.v_6);
-    let t2 = fma(t1, s, series.v_5);
-    let t3 = fma(t2, s, series.v_4);
-    let t4 = fma(t3, s, series.v_3);
-    let t5 = fma(t4, s, series.v_2);
-    let t6 = fma(t5, s, series.v_1);
-    let t7 = fma(t6, s, series.v_0);
-    return t7;
+    let t0 = s * s;
+    let t1 = fma(series.v_8, t0, series.v_6);
+    let t2 = fma(t1, t0, series.v_4);
+    let t3 = fma(t2, t0, series.v_2);
+    let t4 = fma(t3, t0, series.v_0);
+    let t5 = fma(series.v_7, t0, series.v_5);
+    let t6 = fma(t5, t0, series.v_3);
+    let t7 = fma(t6, t0, series.v_1);
+    let t8 = fma(t7, s, t4);
+    return t8;
 }
 
 fn divergence_to(series: Series, s: f32) -> f32 {
@@ -487,21 +489,44 @@ fn vector_at(series: Series, vector: Vector, s: f32) -> Vector {
     let t85 = fma(series.by_w_7, vector.y, t84);
     let t86 = 0.125 * t69;
     let t87 = 0.125 * t85;
-    let t88 = fma(t86, s, t68);
-    let t89 = fma(t88, s, t52);
-    let t90 = fma(t89, s, t38);
-    let t91 = fma(t90, s, t26);
-    let t92 = fma(t91, s, t16);
-    let t93 = fma(t92, s, t8);
-    let t94 = fma(t93, s, t2);
-    let t95 = fma(t94, s, vector.x);
-    let t96 = fma(t87, s, t69);
-    let t97 = fma(t96, s, t53);
-    let t98 = fma(t97, s, t39);
-    let t99 = fma(t98, s, t27);
-    let t100 = fma(t99, s, t17);
-    let t101 = fma(t100, s, t9);
-    let t102 = fma(t101, s, t3);
-    let t103 = fma(t102, s, vector.y);
-    return Vector(t95, t103);
+    let t88 = s * s;
+    let t89 = fma(t86, t88, t52);
+    let t90 = fma(t89, t88, t26);
+    let t91 = fma(t90, t88, t8);
+    let t92 = fma(t91, t88, vector.x);
+    let t93 = fma(t68, t88, t38);
+    let t94 = fma(t93, t88, t16);
+    let t95 = fma(t94, t88, t2);
+    let t96 = fma(t95, s, t92);
+    let t97 = s * s;
+    let t98 = fma(t87, t97, t53);
+    let t99 = fma(t98, t97, t27);
+    let t100 = fma(t99, t97, t9);
+    let t101 = fma(t100, t97, vector.y);
+    let t102 = fma(t69, t97, t39);
+    let t103 = fma(t102, t97, t17);
+    let t104 = fma(t103, t97, t3);
+    let t105 = fma(t104, s, t101);
+    return Vector(t96, t105);
+}
+
+fn rotated(sin_z: f32, cos_z: f32, s: f32) -> vec2<f32> {
+    let t0 = s * s;
+    let t1 = fma(1.195379978324173e-12, t0, -2.2324343372910912e-9);
+    let t2 = fma(t1, t0, 2.432025947453828e-6);
+    let t3 = fma(t2, t0, -0.001261648627941887);
+    let t4 = fma(t3, t0, 0.19634954084936207);
+    let t5 = t4 * s;
+    let t6 = fma(-5.479218213793196e-11, t0, 7.95878630193823e-8);
+    let t7 = fma(t6, t0, -6.193103220240429e-5);
+    let t8 = fma(t7, t0, 0.019276571095877652);
+    let t9 = fma(t8, t0, 0.0);
+    let t10 = sin_z * t9;
+    let t11 = -t10;
+    let t12 = fma(cos_z, t5, t11);
+    let t13 = sin_z + t12;
+    let t14 = cos_z * t9;
+    let t15 = fma(sin_z, t5, t14);
+    let t16 = cos_z - t15;
+    return vec2(t13, t16);
 }

@@ -59,6 +59,9 @@ pub const ON_BOUNDARY: f64 = 1e-2;
 /// there.
 pub const AT_BOUNDARY: f64 = 1e-4;
 
+/// Square of the least slope that is divided by where v turns at a boundary.
+pub const SMALLEST_SLOPE_SQUARE: f64 = 1e-30;
+
 /// What does not change along an orbit, in the units of [`series`].
 #[derive(Clone, Copy, Debug)]
 pub struct Flow<R> {
@@ -119,8 +122,8 @@ impl<R: Real> Flow<R> {
         State {
             x,
             w,
-            sin: R::splat(0.0),
-            cos: R::splat(1.0),
+            drive: R::splat(0.0),
+            drive_slope: self.zeta_k,
             piece: self.friction.piece_index(self.omega_k - w),
             left: ticks,
         }
@@ -133,9 +136,9 @@ pub struct State<R: Real> {
     pub x: R,
     /// Angular speed times the unit of time.
     pub w: R,
-    /// Of the drive's phase, advanced by rotation; a period's start sets them anew.
-    sin: R,
-    cos: R,
+    /// Zeta_k sin z and zeta_k cos z, times the unit of time: advanced by rotation; a period's start sets them anew.
+    drive: R,
+    drive_slope: R,
     /// Index of the piece of the friction law that v moves on.
     pub piece: R,
     /// Ticks to the period's end.
@@ -153,8 +156,7 @@ pub struct Step<R, const L: usize> {
 #[inline(always)]
 pub fn step<R: Real, const L: usize>(flow: &Flow<R>, state: &State<R>) -> (Step<R, L>, State<R>) {
     let piece = flow.friction.piece(state.piece, flow.epsilon_0);
-    let drive = flow.zeta_k * state.sin;
-    let v = flow.omega_k + drive - state.w;
+    let v = flow.omega_k + state.drive - state.w;
     let series = Series::new(&Local {
         linear: flow.linear,
         minus_b: flow.minus_b,
@@ -163,8 +165,8 @@ pub fn step<R: Real, const L: usize>(flow: &Flow<R>, state: &State<R>) -> (Step<
         a_1: piece.a_1,
         a_2: piece.a_2,
         cubic: flow.friction.cubic(),
-        drive,
-        drive_slope: flow.zeta_k * state.cos,
+        drive: state.drive,
+        drive_slope: state.drive_slope,
         x: state.x,
         w: state.w,
         v,
@@ -175,12 +177,12 @@ pub fn step<R: Real, const L: usize>(flow: &Flow<R>, state: &State<R>) -> (Step<
     let ticks = (reached.max(R::splat(LEAST_STEP)) * R::splat(f64::from(TICKS_PER_UNIT))).to_ticks();
     let ticks = ticks.least(state.left);
     let s = R::from_ticks(ticks) * R::splat(1.0 / f64::from(TICKS_PER_UNIT));
-    let (sin, cos) = rotate(state.sin, state.cos, s);
+    let (drive, drive_slope) = series::rotated(state.drive, state.drive_slope, s);
     let next = State {
         x: series.x_at(s),
         w: series.w_at(s),
-        sin,
-        cos,
+        drive,
+        drive_slope,
         piece: state.piece + change,
         left: state.left.minus(ticks),
     };
@@ -233,13 +235,14 @@ fn leave<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series: &Ser
     let beyond = change * (v_from - boundary);
     let bend = change * R::splat(0.5) * (series.v[0] - R::splat(2.0) * v_middle + v_end);
     let slope = change * (v_to - v_from) - bend;
-    let root = slope.mul_add(slope, -(R::splat(4.0) * bend * beyond)).max(zero).sqrt();
+    let square = slope.mul_add(slope, -(R::splat(4.0) * bend * beyond));
+    let root = square.max(R::splat(SMALLEST_SLOPE_SQUARE)).sqrt();
     let goes_out = zero.less(slope);
     let part = R::select(goes_out, R::splat(-2.0) * beyond, root - slope)
         / R::select(goes_out, slope + root, R::splat(2.0) * bend);
     let guess = part.mul_add(middle, from).max(from).min(to);
-    // the parabola's slope there serves as that of v
-    let step_per_v = change * middle / (R::splat(2.0) * bend).mul_add(part, slope);
+    // the parabola's slope there, which is the root, serves as that of v
+    let step_per_v = change * middle / root;
     let newton = (boundary - series.v_at(guess)).mul_add(step_per_v, guess);
     let newton = newton.max(from).min(to);
     // where the parabola is no guide, Newton's step may go astray, back to where it started from: the lane then takes a
@@ -251,25 +254,6 @@ fn leave<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series: &Ser
         R::select(left, R::select(found, newton, closer), trial),
         R::select(leaves, change, zero),
     )
-}
-
-/// Sine and cosine of the drive's phase, `s` units of time on.
-#[inline(always)]
-fn rotate<R: Real>(sin: R, cos: R, s: R) -> (R, R) {
-    let angle = s * R::splat(TAU / f64::from(UNITS_PER_PERIOD));
-    let square = angle * angle;
-    let mut sine = R::splat(1.0 / 362_880.0);
-    for coefficient in [-1.0 / 5040.0, 1.0 / 120.0, -1.0 / 6.0, 1.0] {
-        sine = sine.mul_add(square, R::splat(coefficient));
-    }
-    sine = sine * angle;
-    // 1 - cos: small, so that the sums below are rounded only once
-    let mut versine = R::splat(-1.0 / 40_320.0);
-    for coefficient in [1.0 / 720.0, -1.0 / 24.0, 0.5] {
-        versine = versine.mul_add(square, R::splat(coefficient));
-    }
-    versine = versine * square;
-    (sin + (cos * sine - sin * versine), cos - (sin * sine + cos * versine))
 }
 
 /// Where x turns within the step, or else x at its end: an extremum of x that no step's end shows. `w` is the angular
