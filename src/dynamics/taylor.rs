@@ -157,7 +157,7 @@ pub struct Step<R, const L: usize> {
 pub fn step<R: Real, const L: usize>(flow: &Flow<R>, state: &State<R>) -> (Step<R, L>, State<R>) {
     let piece = flow.friction.piece(state.piece, flow.epsilon_0);
     let v = flow.omega_k + state.drive - state.w;
-    let series = Series::new(&Local {
+    let series = Series::of(&Local {
         linear: flow.linear,
         minus_b: flow.minus_b,
         minus_damping: flow.minus_damping,
@@ -176,7 +176,7 @@ pub fn step<R: Real, const L: usize>(flow: &Flow<R>, state: &State<R>) -> (Step<
 
     let ticks = (reached.max(R::splat(LEAST_STEP)) * R::splat(f64::from(TICKS_PER_UNIT))).to_ticks();
     let ticks = ticks.least(state.left);
-    let s = R::from_ticks(ticks) * R::splat(1.0 / f64::from(TICKS_PER_UNIT));
+    let s = (R::from_ticks(ticks) * R::splat(1.0 / f64::from(TICKS_PER_UNIT))).in_step();
     let (drive, drive_slope) = series::rotated(state.drive, state.drive_slope, s);
     let next = State {
         x: series.x_at(s),
@@ -219,7 +219,8 @@ fn leave<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series: &Ser
     let margin = R::splat(BEYOND) * flow.epsilon_0;
     let (lower, upper) = (piece.lower - margin, piece.upper + margin);
     let middle = R::splat(0.5) * trial;
-    let (v_middle, v_end) = (series.v_at(middle), series.v_at(trial));
+    // the search is one long chain of operations, which is why vectors go through it in step
+    let (v_middle, v_end) = (series.v_at(middle), series.v_at(trial).in_step());
     let left_early = v_middle.less(lower).or(upper.less(v_middle));
     let left = left_early.or(v_end.less(lower)).or(upper.less(v_end));
 
@@ -244,7 +245,7 @@ fn leave<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series: &Ser
     // the parabola's slope there, which is the root, serves as that of v
     let step_per_v = change * middle / root;
     let newton = (boundary - series.v_at(guess)).mul_add(step_per_v, guess);
-    let newton = newton.max(from).min(to);
+    let newton = newton.max(from).min(to).in_step();
     // where the parabola is no guide, Newton's step may go astray, back to where it started from: the lane then takes a
     // part of the way, and looks again from there
     let found = from.less(newton).or(part.less(R::splat(ON_BOUNDARY)));

@@ -26,7 +26,11 @@ pub trait Real:
     type Ticks: Ticks;
     /// The type of one lane.
     type Scalar: Copy + Send + Sync;
+    /// Of two vectors or more one half of them, for work that is done better on fewer at a time; of one the vector itself.
+    type Half: Real;
     const LANES: usize;
+    /// How many vectors lie side by side; scalars are none, however many.
+    const VECTORS: usize = 0;
 
     /// Rounds an f64 to the lane's type.
     fn scalar(value: f64) -> Self::Scalar;
@@ -48,6 +52,26 @@ pub trait Real:
     /// The whole part of numbers in 0..2^31.
     fn to_ticks(self) -> Self::Ticks;
     fn from_ticks(ticks: Self::Ticks) -> Self;
+    /// The first half (0) or the second (1).
+    fn half(self, index: usize) -> Self::Half;
+    /// The number with these halves; the first of them if it is one vector.
+    fn join(halves: [Self::Half; 2]) -> Self;
+
+    /// Both as they are, but that nothing made of one is computed before the other is known: see [`Real::in_step`].
+    #[inline(always)]
+    fn tied(self, other: Self) -> (Self, Self) {
+        (self, other)
+    }
+
+    /// The same number, but that nothing made of one of its vectors is computed before all of them are known.
+    ///
+    /// A vector whose operations wait for each other leaves most of a core idle, and others beside it use what it leaves, as
+    /// long as the program has their operations in turn. Compilers put one vector's after another's where that saves
+    /// registers; this keeps them from it, at no cost in instructions.
+    #[inline(always)]
+    fn in_step(self) -> Self {
+        self
+    }
 
     #[inline(always)]
     fn splat(value: f64) -> Self {
@@ -126,6 +150,7 @@ macro_rules! scalar_real {
             type Mask = bool;
             type Ticks = u32;
             type Scalar = $scalar;
+            type Half = Self;
             const LANES: usize = 1;
 
             #[inline(always)]
@@ -184,6 +209,14 @@ macro_rules! scalar_real {
             #[inline(always)]
             fn from_ticks(ticks: u32) -> Self {
                 ticks as $scalar
+            }
+            #[inline(always)]
+            fn half(self, _: usize) -> Self {
+                self
+            }
+            #[inline(always)]
+            fn join([vector, _]: [Self; 2]) -> Self {
+                vector
             }
         }
     };

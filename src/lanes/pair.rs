@@ -99,7 +99,9 @@ impl<R: Real> Real for Pair<R> {
     type Mask = Pair<R::Mask>;
     type Ticks = Pair<R::Ticks>;
     type Scalar = R::Scalar;
+    type Half = R;
     const LANES: usize = 2 * R::LANES;
+    const VECTORS: usize = 2 * R::VECTORS;
 
     #[inline(always)]
     fn scalar(value: f64) -> R::Scalar {
@@ -157,5 +159,24 @@ impl<R: Real> Real for Pair<R> {
     #[inline(always)]
     fn from_ticks(ticks: Self::Ticks) -> Self {
         Self(R::from_ticks(ticks.0), R::from_ticks(ticks.1))
+    }
+    #[inline(always)]
+    fn half(self, index: usize) -> R {
+        if index == 0 { self.0 } else { self.1 }
+    }
+    #[inline(always)]
+    fn join([first, second]: [R; 2]) -> Self {
+        Self(first, second)
+    }
+    #[inline(always)]
+    fn tied(self, other: Self) -> (Self, Self) {
+        let (first, other_first) = self.0.tied(other.0);
+        let (second, other_second) = self.1.tied(other.1);
+        (Self(first, second), Self(other_first, other_second))
+    }
+    #[inline(always)]
+    fn in_step(self) -> Self {
+        let (first, second) = self.0.tied(self.1);
+        Self(first.in_step(), second.in_step())
     }
 }

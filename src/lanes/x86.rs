@@ -4,6 +4,7 @@
 //! `target_feature` enables the instruction set, entered after it was detected at run time; that is why the types do
 //! not leave the crate.
 
+use std::arch::asm;
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -18,7 +19,8 @@ macro_rules! x86_vector {
         select = |$s:ident, $yes:ident, $no:ident| $select:expr,
         and = |$and_a:ident, $and_b:ident| $and:expr, or = |$or_a:ident, $or_b:ident| $or:expr,
         $ticks:ident($ticks_register:ident) = $to_ticks:ident $from_ticks:ident $ticks_set:ident $ticks_sub:ident
-        $ticks_min:ident, zero = |$z:ident| $zero:expr
+        $ticks_min:ident, zero = |$z:ident| $zero:expr,
+        $tie:ident($tie_register:ident) for $feature:literal
     ) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
@@ -88,6 +90,17 @@ macro_rules! x86_vector {
             }
         }
 
+        /// No instruction, but one that the compiler takes for changing both registers.
+        #[target_feature(enable = $feature)]
+        #[inline]
+        fn $tie(a: &mut $register, b: &mut $register) {
+            // SAFETY: nothing is executed.
+            unsafe {
+                asm!("/* {0} {1} */", inout($tie_register) *a, inout($tie_register) *b,
+                    options(pure, nomem, nostack, preserves_flags));
+            }
+        }
+
         x86_vector!(@operator $name Add add $add);
         x86_vector!(@operator $name Sub sub $sub);
         x86_vector!(@operator $name Mul mul $mul);
@@ -105,7 +118,9 @@ macro_rules! x86_vector {
             type Mask = $mask;
             type Ticks = $ticks;
             type Scalar = $scalar;
+            type Half = Self;
             const LANES: usize = $lanes;
+            const VECTORS: usize = 1;
 
             #[inline(always)]
             fn scalar(value: f64) -> $scalar {
@@ -180,6 +195,20 @@ macro_rules! x86_vector {
                 // SAFETY: the module's rule.
                 Self(unsafe { $from_ticks(ticks.0) })
             }
+            #[inline(always)]
+            fn half(self, _: usize) -> Self {
+                self
+            }
+            #[inline(always)]
+            fn join([vector, _]: [Self; 2]) -> Self {
+                vector
+            }
+            #[inline(always)]
+            fn tied(mut self, mut other: Self) -> (Self, Self) {
+                // SAFETY: the module's rule.
+                unsafe { $tie(&mut self.0, &mut other.0) };
+                (self, other)
+            }
         }
     };
     (@operator $name:ident $trait:ident $method:ident $intrinsic:ident) => {
@@ -203,7 +232,8 @@ x86_vector! {
     select = |s, yes, no| _mm512_mask_blend_pd(s, no, yes),
     and = |a, b| a & b, or = |a, b| a | b,
     I32x8ForF64(__m256i) = _mm512_cvttpd_epi32 _mm512_cvtepi32_pd _mm256_set1_epi32 _mm256_sub_epi32 _mm256_min_epi32,
-    zero = |a| _mm256_testz_si256(a, a) == 1
+    zero = |a| _mm256_testz_si256(a, a) == 1,
+    tie_f64x8(zmm_reg) for "avx512f"
 }
 
 x86_vector! {
@@ -215,7 +245,8 @@ x86_vector! {
     select = |s, yes, no| _mm512_mask_blend_ps(s, no, yes),
     and = |a, b| a & b, or = |a, b| a | b,
     I32x16(__m512i) = _mm512_cvttps_epi32 _mm512_cvtepi32_ps _mm512_set1_epi32 _mm512_sub_epi32 _mm512_min_epi32,
-    zero = |a| _mm512_test_epi32_mask(a, a) == 0
+    zero = |a| _mm512_test_epi32_mask(a, a) == 0,
+    tie_f32x16(zmm_reg) for "avx512f"
 }
 
 x86_vector! {
@@ -227,7 +258,8 @@ x86_vector! {
     select = |s, yes, no| _mm256_blendv_pd(no, yes, s),
     and = |a, b| _mm256_and_pd(a, b), or = |a, b| _mm256_or_pd(a, b),
     I32x4(__m128i) = _mm256_cvttpd_epi32 _mm256_cvtepi32_pd _mm_set1_epi32 _mm_sub_epi32 _mm_min_epi32,
-    zero = |a| _mm_testz_si128(a, a) == 1
+    zero = |a| _mm_testz_si128(a, a) == 1,
+    tie_f64x4(ymm_reg) for "avx"
 }
 
 x86_vector! {
@@ -239,5 +271,6 @@ x86_vector! {
     select = |s, yes, no| _mm256_blendv_ps(no, yes, s),
     and = |a, b| _mm256_and_ps(a, b), or = |a, b| _mm256_or_ps(a, b),
     I32x8(__m256i) = _mm256_cvttps_epi32 _mm256_cvtepi32_ps _mm256_set1_epi32 _mm256_sub_epi32 _mm256_min_epi32,
-    zero = |a| _mm256_testz_si256(a, a) == 1
+    zero = |a| _mm256_testz_si256(a, a) == 1,
+    tie_f32x8(ymm_reg) for "avx"
 }

@@ -66,8 +66,15 @@ impl Real for Dual {
     type Mask = bool;
     type Ticks = u32;
     type Scalar = f64;
+    type Half = Self;
     const LANES: usize = 1;
 
+    fn half(self, _: usize) -> Self {
+        self
+    }
+    fn join([number, _]: [Self; 2]) -> Self {
+        number
+    }
     fn scalar(value: f64) -> f64 {
         value
     }

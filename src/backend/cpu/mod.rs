@@ -100,15 +100,15 @@ impl Backend for CpuBackend {
     fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
         self.batch = Some(match (self.instructions, self.precision) {
             #[cfg(all(target_arch = "x86_64", not(test)))]
-            (InstructionSet::Avx512, Precision::F64) => batch::<Avx512, F64x8>(settings, instances),
+            (InstructionSet::Avx512, Precision::F64) => batch::<Avx512, F64x8, Quad<F64x8>>(settings, instances),
             #[cfg(all(target_arch = "x86_64", not(test)))]
-            (InstructionSet::Avx512, Precision::F32) => batch::<Avx512, F32x16>(settings, instances),
+            (InstructionSet::Avx512, Precision::F32) => batch::<Avx512, F32x16, Quad<F32x16>>(settings, instances),
             #[cfg(all(target_arch = "x86_64", not(test)))]
-            (InstructionSet::Avx2, Precision::F64) => batch::<Avx2, F64x4>(settings, instances),
+            (InstructionSet::Avx2, Precision::F64) => batch::<Avx2, F64x4, Quad<F64x4>>(settings, instances),
             #[cfg(all(target_arch = "x86_64", not(test)))]
-            (InstructionSet::Avx2, Precision::F32) => batch::<Avx2, F32x8>(settings, instances),
-            (_, Precision::F64) => batch::<Portable, Pair<f64>>(settings, instances),
-            (_, Precision::F32) => batch::<Portable, Pair<f32>>(settings, instances),
+            (InstructionSet::Avx2, Precision::F32) => batch::<Avx2, F32x8, Quad<F32x8>>(settings, instances),
+            (_, Precision::F64) => batch::<Portable, Pair<f64>, Quad<f64>>(settings, instances),
+            (_, Precision::F32) => batch::<Portable, Pair<f32>, Quad<f32>>(settings, instances),
         });
         Ok(())
     }
@@ -131,14 +131,17 @@ impl Backend for CpuBackend {
     }
 }
 
-/// The batch for a scheme, in vectors `V` of the instruction set `I`.
-fn batch<I: Instructions, V: Real + Send + Sync + 'static>(
+/// What Taylor's blocks are made of: the operations of one vector, or of two, wait for each other too long to fill the
+/// machine.
+type Quad<V> = Pair<Pair<V>>;
+
+/// The batch for a scheme, in vectors `V` of the instruction set `I`, or in `T`, as many of them as Taylor's blocks hold.
+fn batch<I: Instructions, V: Real + Send + Sync + 'static, T: Real + Send + Sync + 'static>(
     settings: &Settings,
     instances: &[ParameterSet],
 ) -> Box<dyn Batch> {
     match settings.scheme() {
-        // the operations of one vector wait for each other too long to fill the machine
-        Scheme::Taylor => Box::new(Blocks::<I, TaylorBlock<Pair<V>>>::new(settings, instances)),
+        Scheme::Taylor => Box::new(Blocks::<I, TaylorBlock<T>>::new(settings, instances)),
         Scheme::Radau => Box::new(Blocks::<I, RadauBlock<V>>::new(settings, instances)),
         Scheme::Rk4 => Box::new(Blocks::<I, Rk4Block<Wide<V, RK4_IN_FLIGHT>, RK4_GROUPS>>::new(
             settings, instances,

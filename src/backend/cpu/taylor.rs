@@ -136,9 +136,9 @@ impl<R: Real> TaylorBlock<R> {
             }
             let (step, end) = taylor::step::<R, COEFFICIENTS>(&self.flow, &state);
             let turning = taylor::turning(&step, &end);
-            first = step.series.vector_at(first, step.s);
+            first = step.series.carried(first, step.s);
             if BOTH {
-                area.second = step.series.vector_at(area.second, step.s);
+                area.second = step.series.carried(area.second, step.s);
                 if pass.is_multiple_of(RENEWAL_STEPS) {
                     area.renew(first, R::from_ticks(state.left));
                 }

@@ -19,6 +19,7 @@ use std::f64::consts::TAU;
 
 use super::number::Number;
 use crate::dynamics::tangent::Vector;
+use crate::lanes::Real;
 
 /// Units of time in a forcing period.
 pub const UNITS_PER_PERIOD: u32 = 32;
@@ -193,6 +194,104 @@ impl<T: Number, const L: usize> Series<T, L> {
             y: polynomial(&vector.w, s),
         }
     }
+}
+
+/// Vectors whose series are made side by side. Of one, operations wait for each other; the coefficients of three no longer
+/// find room near the registers.
+const VECTORS_AT_ONCE: usize = 2;
+
+impl<R: Real> Local<R> {
+    #[inline(always)]
+    fn half(&self, index: usize) -> Local<R::Half> {
+        Local {
+            linear: self.linear.half(index),
+            minus_b: self.minus_b.half(index),
+            minus_damping: self.minus_damping.half(index),
+            a_0: self.a_0.half(index),
+            a_1: self.a_1.half(index),
+            a_2: self.a_2.half(index),
+            cubic: self.cubic.half(index),
+            drive: self.drive.half(index),
+            drive_slope: self.drive_slope.half(index),
+            x: self.x.half(index),
+            w: self.w.half(index),
+            v: self.v.half(index),
+        }
+    }
+}
+
+impl<R: Real> Vector<R> {
+    #[inline(always)]
+    fn half(self, index: usize) -> Vector<R::Half> {
+        Vector {
+            x: self.x.half(index),
+            y: self.y.half(index),
+        }
+    }
+}
+
+impl<R: Real, const L: usize> Series<R, L> {
+    /// [`Series::new`], of many vectors half by half.
+    #[inline(always)]
+    pub fn of(local: &Local<R>) -> Self {
+        if R::VECTORS <= VECTORS_AT_ONCE {
+            return Self::new(local);
+        }
+        let first = Series::of(&local.half(0));
+        let second = Series::of(&local.half(1));
+        Self {
+            x: join(&first.x, &second.x),
+            w: join(&first.w, &second.w),
+            v: join(&first.v, &second.v),
+            by_x: join(&first.by_x, &second.by_x),
+            by_w: join(&first.by_w, &second.by_w),
+        }
+    }
+
+    /// [`Series::vector_at`], of many vectors half by half.
+    #[inline(always)]
+    pub fn carried(&self, start: Vector<R>, s: R) -> Vector<R> {
+        if R::VECTORS <= VECTORS_AT_ONCE {
+            return self.vector_at(start, s);
+        }
+        let first = self.half(0).carried(start.half(0), s.half(0));
+        let second = self.half(1).carried(start.half(1), s.half(1));
+        Vector {
+            x: R::join([first.x, second.x]),
+            y: R::join([first.y, second.y]),
+        }
+    }
+
+    #[inline(always)]
+    fn half(&self, index: usize) -> Series<R::Half, L> {
+        Series {
+            x: half(&self.x, index),
+            w: half(&self.w, index),
+            v: half(&self.v, index),
+            by_x: half(&self.by_x, index),
+            by_w: half(&self.by_w, index),
+        }
+    }
+}
+
+/// Half of every coefficient.
+#[inline(always)]
+fn half<R: Real, const L: usize>(a: &[R; L], index: usize) -> [R::Half; L] {
+    let mut halves = [a[0].half(index); L];
+    for n in 1..L {
+        halves[n] = a[n].half(index);
+    }
+    halves
+}
+
+/// Every coefficient from its halves.
+#[inline(always)]
+fn join<R: Real, const L: usize>(first: &[R::Half; L], second: &[R::Half; L]) -> [R; L] {
+    let mut whole = [R::join([first[0], second[0]]); L];
+    for n in 1..L {
+        whole[n] = R::join([first[n], second[n]]);
+    }
+    whole
 }
 
 /// Series that the motion's is made of, besides itself.
