@@ -87,6 +87,51 @@ fn kernel_phases(instructions: Option<InstructionSet>, precision: Precision) -> 
         .collect()
 }
 
+/// The most that a core can do: fused multiply-adds of f64 that wait for nothing. Items are operations, two each; in f32 they are
+/// twice as many.
+#[cfg(target_arch = "x86_64")]
+#[divan::bench(args = vector_sets(), sample_count = 9, sample_size = 1)]
+fn multiply_adds(bencher: Bencher, instructions: InstructionSet) {
+    use std::hint::black_box;
+    const ROUNDS: usize = 1 << 22;
+    /// As many in flight as hide their latency.
+    const IN_FLIGHT: usize = 12;
+    macro_rules! peak {
+        ($name:ident, $feature:literal, $set:ident, $fma:ident) => {
+            #[target_feature(enable = $feature)]
+            fn $name() {
+                use std::arch::x86_64::{$fma, $set};
+                let (factor, addend) = (black_box($set(0.5)), black_box($set(1.0)));
+                let mut sums = [addend; IN_FLIGHT];
+                for _ in 0..ROUNDS {
+                    for sum in &mut sums {
+                        *sum = $fma(*sum, factor, addend);
+                    }
+                }
+                black_box(sums);
+            }
+        };
+    }
+    peak!(avx512, "avx512f", _mm512_set1_pd, _mm512_fmadd_pd);
+    peak!(avx2, "avx2,fma", _mm256_set1_pd, _mm256_fmadd_pd);
+    let lanes = instructions.lanes(Precision::F64);
+    bencher
+        .counter(ItemsCount::new(2 * lanes * IN_FLIGHT * ROUNDS))
+        .bench_local(|| match instructions {
+            // SAFETY: only sets that this machine has are asked for.
+            InstructionSet::Avx512 => unsafe { avx512() },
+            InstructionSet::Avx2 => unsafe { avx2() },
+            InstructionSet::Portable => unreachable!("not one of the sets of vectors"),
+        });
+}
+
+#[cfg(target_arch = "x86_64")]
+fn vector_sets() -> Vec<InstructionSet> {
+    let mut sets = InstructionSet::available();
+    sets.retain(|set| *set != InstructionSet::Portable);
+    sets
+}
+
 /// Periods in which the shaft warms up before the full model is measured.
 const WARMING: u32 = 8;
 
