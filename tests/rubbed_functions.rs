@@ -25,6 +25,7 @@ fn probed<const I: usize, const O: usize>(probe: &str, samples: &[[f32; I]]) -> 
         &context,
         &source,
         &shader_source::constants(64, true),
+        1,
         samples,
     ))
 }

@@ -9,14 +9,19 @@ use std::fs;
 use naga::{AddressSpace, Module};
 use tribochaos::backend::gpu::layout::{self, Orbit, Parameters, Run, Span, Totals, binding};
 use tribochaos::backend::gpu::rubbed::shader_source as rubbed;
-use tribochaos::backend::gpu::shader_source::{Kernel, Shader};
+use tribochaos::backend::gpu::shader_source::{Kernel, Lanes, Shader};
 use tribochaos::dynamics::taylor;
 
 use reflection::{Layout, READ, READ_WRITE, layout_of, parsed, validated};
 
-/// The module of every shader.
-fn modules() -> impl Iterator<Item = (&'static Shader, Module)> {
-    Shader::all().map(|(_, shader)| (shader, parsed(shader.source)))
+/// The text of every shader for every number of lanes.
+fn sources() -> impl Iterator<Item = String> {
+    Shader::all().flat_map(|(_, shader)| Lanes::ALL.map(|lanes| shader.source(lanes)))
+}
+
+/// The module of each.
+fn modules() -> impl Iterator<Item = Module> {
+    sources().map(|source| parsed(&source))
 }
 
 fn rust_layouts() -> BTreeMap<&'static str, Layout> {
@@ -69,14 +74,14 @@ fn rust_layouts() -> BTreeMap<&'static str, Layout> {
 
 #[test]
 fn shared_structs_are_laid_out_alike() {
-    for (_, module) in modules() {
+    for module in modules() {
         reflection::assert_layouts(&module, &rust_layouts());
     }
 }
 
 #[test]
 fn bindings_have_the_host_s_numbers_and_kinds() {
-    for (_, module) in modules() {
+    for module in modules() {
         let all_bound = module
             .global_variables
             .iter()
@@ -101,7 +106,7 @@ fn bindings_have_the_host_s_numbers_and_kinds() {
 
 #[test]
 fn the_drive_table_is_as_long_as_the_host_makes_it() {
-    let (_, module) = modules().next().unwrap();
+    let module = modules().next().unwrap();
     let (_, drive) = module
         .global_variables
         .iter()
@@ -118,15 +123,16 @@ fn every_constant_is_set_and_every_kernel_exists() {
     let mut kernels = Kernel::ALL.map(Kernel::entry_point).to_vec();
     // one that differs in a constant alone
     kernels.dedup();
-    for (_, module) in modules() {
+    for module in modules() {
         reflection::assert_constants_and_kernels(&module, &Kernel::Plain.constants(64), &kernels);
     }
 }
 
 #[test]
 fn every_kernel_translates_to_every_target_language() {
-    for (shader, module) in modules() {
-        let info = validated(&module, shader.source);
+    for source in sources() {
+        let module = parsed(&source);
+        let info = validated(&module, &source);
         for kernel in Kernel::ALL {
             reflection::assert_translates(&module, &info, kernel.entry_point(), &kernel.constants(64));
         }
@@ -205,7 +211,8 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
 /// Name and text of every piece of a shader, once.
 fn pieces() -> BTreeMap<&'static str, &'static str> {
     let all = Shader::all().flat_map(|(_, shader)| shader.pieces);
-    all.chain(rubbed::PIECES).copied().collect()
+    let of_lanes = Lanes::ALL.map(Lanes::piece);
+    all.chain(rubbed::PIECES).copied().chain(of_lanes).collect()
 }
 
 /// The names after `fn `, tests left out.

@@ -3,7 +3,7 @@
 //! `cargo test --test shader_cost -- --nocapture` prints the figures that the README's roofline estimate begins with.
 
 use naga::{BinaryOperator, Block, Expression, Function, Handle, MathFunction, Module, Statement, TypeInner};
-use tribochaos::backend::gpu::shader_source::Shader;
+use tribochaos::backend::gpu::shader_source::{Lanes, Shader};
 use tribochaos::benchmark;
 use tribochaos::dynamics::taylor::{self, COEFFICIENTS, Flow, TICKS_PER_PERIOD};
 use tribochaos::experiment::Scheme;
@@ -127,7 +127,7 @@ fn steps_per_period() -> f64 {
 #[test]
 fn a_period_of_taylor_takes_the_operations_that_the_readme_tells() {
     let shader = Shader::of(Scheme::Taylor).unwrap();
-    let module = naga::front::wgsl::parse_str(shader.source).unwrap();
+    let module = naga::front::wgsl::parse_str(&shader.source(Lanes::One)).unwrap();
     let steps = steps_per_period();
     let motion = of_named(&module, "taylor_step");
     let mut vectors = motion;
@@ -148,7 +148,7 @@ fn a_period_of_taylor_takes_the_operations_that_the_readme_tells() {
             steps * f64::from(operations.instructions)
         );
     }
-    let module = naga::front::wgsl::parse_str(Shader::of(Scheme::Rk4).unwrap().source).unwrap();
+    let module = naga::front::wgsl::parse_str(&Shader::of(Scheme::Rk4).unwrap().source(Lanes::One)).unwrap();
     let (rk4, rk4_steps) = (of_named(&module, "rk4_step"), Scheme::Rk4.default_steps_per_period());
     println!(
         "rk4, motion alone: {} flops and {} instructions a step, {} and {} a period",

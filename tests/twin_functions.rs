@@ -3,7 +3,8 @@
 mod gpu_context;
 mod probe;
 
-use tribochaos::backend::gpu::shader_source::{Kernel, Shader};
+use tribochaos::backend::gpu::GpuContext;
+use tribochaos::backend::gpu::shader_source::{Kernel, Lanes, Shader};
 use tribochaos::dynamics::rk4::{self, StageSpeeds, State, StepSize};
 use tribochaos::dynamics::tangent::{Bases, Vector};
 use tribochaos::dynamics::taylor::{self, COEFFICIENTS, Flow};
@@ -16,13 +17,13 @@ use tribochaos::parameters::Parameter;
 
 use probe::{Noise, evaluate};
 
-/// Evaluates every function of the twins at one sample a thread.
+/// Evaluates every function of the twins at one sample a lane.
 const PROBE: &str = "
-struct Sample { parameters: Parameters, speed: StageSpeeds, state: State, bases: Bases }
+struct Sample { parameters: Values, speed: StageSpeeds, state: State, bases: Bases }
 struct Probe {
-    force: f32, slope: f32,
+    force: Real, slope: Real,
     linearised: Linearised,
-    stepped: State, with_tangent: State, bases: Bases, divergence: f32,
+    stepped: State, with_tangent: State, bases: Bases, divergence: Real,
     orthonormal: Bases, growth: Growth,
 }
 @group(0) @binding(10) var<storage, read> samples: array<Sample>;
@@ -37,7 +38,7 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
     let stepped = step_with_tangent(motion, h, sample.speed, sample.state, sample.bases);
     let orthonormal = orthonormalise(sample.bases);
     probes[thread.x] = Probe(
-        plus_force(motion.friction, 0.0, v), slope(motion.friction, v),
+        plus_force(motion.friction, Real(0.0), v), slope(motion.friction, v),
         linearised(motion, sample.state.x, sample.speed.start - sample.state.y, sample.speed.start),
         rk4_step(motion, h, sample.speed, sample.state), stepped.state, stepped.bases, stepped.divergence,
         orthonormal.bases, orthonormal.growth,
@@ -210,14 +211,14 @@ fn functions_agree_to_a_few_roundings() {
     let Some(context) = gpu_context::open() else { return };
     let mut noise = Noise(1);
     let samples: Vec<[f32; INPUTS]> = (0..SAMPLES).map(|_| sample(&mut noise)).collect();
-    let probes: Vec<[f32; OUTPUTS]> = evaluate(
-        &context,
-        &probed(Scheme::Rk4, PROBE),
-        &Kernel::Checked.constants(64),
-        &samples,
-    );
+    for lanes in Lanes::ALL {
+        assert_functions(&samples, &probed(&context, Scheme::Rk4, lanes, PROBE, &samples));
+    }
+}
+
+fn assert_functions(samples: &[[f32; INPUTS]], probes: &[[f32; OUTPUTS]]) {
     let mut worst = [0f32; OUTPUTS];
-    for (sample, probe) in samples.iter().zip(&probes) {
+    for (sample, probe) in samples.iter().zip(probes) {
         let (values, sizes) = expected(sample);
         for i in 0..OUTPUTS {
             let error = (probe[i] - values[i]).abs() / (sizes[i] * f32::EPSILON);
@@ -238,8 +239,10 @@ fn functions_agree_to_a_few_roundings() {
 fn taylor_steps_agree_to_some_roundings() {
     let Some(context) = gpu_context::open() else { return };
     const PROBE: &str = "
-struct Sample { parameters: Parameters, x: f32, w: f32, piece: f32, vector: Vector }
-struct Probe { x: f32, w: f32, piece: f32, left: f32, turning: f32, vector: Vector, divergence: f32, area: f32 }
+struct Sample { parameters: Values, x: Real, w: Real, piece: Real, vector: Vector }
+struct Probe {
+    x: Real, w: Real, piece: Real, left: Real, turning: Real, vector: Vector, divergence: Real, area: Real,
+}
 @group(0) @binding(10) var<storage, read> samples: array<Sample>;
 @group(0) @binding(11) var<storage, read_write> probes: array<Probe>;
 
@@ -247,13 +250,13 @@ struct Probe { x: f32, w: f32, piece: f32, left: f32, turning: f32, vector: Vect
 fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
     let sample = samples[thread.x];
     let flow = flow_new(sample.parameters);
-    let state = state_start(flow, sample.x, sample.w, TICKS_PER_PERIOD);
+    let state = state_start(flow, sample.x, sample.w, Word(TICKS_PER_PERIOD));
     let step = taylor_step(flow, state);
     let area = area_new(sample.vector);
     let vector = vector_at(step.series, sample.vector, step.s);
     let second = vector_at(step.series, area.second, step.s);
     probes[thread.x] = Probe(
-        step.end.x, step.end.w, step.end.piece, f32(step.end.left) / TICKS_PER_UNIT, turning(step),
+        step.end.x, step.end.w, step.end.piece, Real(step.end.left) / TICKS_PER_UNIT, turning(step),
         vector, divergence_to(step.series, step.s), spanned(vector, second),
     );
 }
@@ -292,15 +295,15 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
             sample
         })
         .collect();
-    let probes: Vec<[f32; 9]> = evaluate(
-        &context,
-        &probed(Scheme::Taylor, PROBE),
-        &Kernel::Checked.constants(64),
-        &samples,
-    );
+    for lanes in Lanes::ALL {
+        assert_taylor_steps(&samples, &probed(&context, Scheme::Taylor, lanes, PROBE, &samples));
+    }
+}
+
+fn assert_taylor_steps(samples: &[[f32; 16]], probes: &[[f32; 9]]) {
     let mut different_pieces = 0;
     let mut worst = [0f32; 9];
-    for (sample, probe) in samples.iter().zip(&probes) {
+    for (sample, probe) in samples.iter().zip(probes) {
         let value = |parameter| match parameter {
             Parameter::ZetaK => sample[0],
             Parameter::H1 => sample[1],
@@ -358,12 +361,13 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
 fn runaways_are_told_also_where_compilers_assume_that_there_is_no_nan() {
     let Some(context) = gpu_context::open() else { return };
     const PROBE: &str = "
-@group(0) @binding(10) var<storage, read> samples: array<vec2<f32>>;
-@group(0) @binding(11) var<storage, read_write> probes: array<u32>;
+struct Sample { x: Real, y: Real }
+@group(0) @binding(10) var<storage, read> samples: array<Sample>;
+@group(0) @binding(11) var<storage, read_write> probes: array<Word>;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
-    probes[thread.x] = select(0u, 1u, has_run_away(samples[thread.x].x, samples[thread.x].y));
+    probes[thread.x] = select(Word(0u), Word(1u), has_run_away(samples[thread.x].x, samples[thread.x].y));
 }
 ";
     let (bound, nan, infinity) = (RUNAWAY_BOUND as f32, f32::NAN, f32::INFINITY);
@@ -380,23 +384,28 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
         ([0.0, -nan], true),
         ([nan, infinity], true),
     ];
-    let mut samples = vec![[0.0; 2]; 64];
+    let mut samples = vec![[0.0; 2]; 128];
     for (sample, (case, _)) in samples.iter_mut().zip(&cases) {
         *sample = *case;
     }
-    let probes: Vec<[f32; 1]> = evaluate(
-        &context,
-        &probed(Scheme::Rk4, PROBE),
-        &Kernel::Checked.constants(64),
-        &samples,
-    );
-    for ([probe], (case, expected)) in probes.iter().zip(cases) {
-        assert_eq!(probe.to_bits(), u32::from(expected), "{case:?}");
+    for lanes in Lanes::ALL {
+        let probes: Vec<[f32; 1]> = probed(&context, Scheme::Rk4, lanes, PROBE, &samples);
+        for ([probe], (case, expected)) in probes.iter().zip(cases) {
+            assert_eq!(probe.to_bits(), u32::from(expected), "{case:?}");
+        }
     }
 }
 
-/// The scheme's shader with a probing kernel.
-fn probed(scheme: Scheme, probe: &str) -> String {
+/// What the scheme's shader with a probing kernel makes of the samples.
+fn probed<const I: usize, const O: usize>(
+    context: &GpuContext,
+    scheme: Scheme,
+    lanes: Lanes,
+    probe: &str,
+    samples: &[[f32; I]],
+) -> Vec<[f32; O]> {
     let shader = Shader::of(scheme).expect("the scheme has a shader");
-    format!("{}{probe}", shader.source)
+    let source = shader.source(lanes) + probe;
+    let constants = Kernel::Checked.constants(64);
+    evaluate(context, &source, &constants, lanes.count() as usize, samples)
 }

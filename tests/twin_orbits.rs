@@ -7,24 +7,33 @@ use std::ops::ControlFlow;
 
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
+use tribochaos::backend::gpu::shader_source::Lanes;
 use tribochaos::backend::{Backend, Slice, Stage, measure_batch};
 use tribochaos::experiment::{Precision, Scheme, Settings};
-use tribochaos::measurement::Class;
+use tribochaos::measurement::{Class, Measurement};
 
 use points::line;
 
+/// A backend whose threads have so many lanes.
+fn with_lanes(lanes: Lanes) -> Option<GpuBackend> {
+    let context = gpu_context::open()?;
+    Some(GpuBackend::new(context.with_lanes(lanes)))
+}
+
 #[test]
 fn short_trajectories_part_no_faster_than_roundings_add_up() {
-    let Some(context) = gpu_context::open() else { return };
-    let mut gpu = GpuBackend::new(context);
-    // a step of taylor rounds some ten times as often as one of rk4, and where it ends depends on rounded speeds
-    for (scheme, of_a_step) in [(Scheme::Taylor, 1.5e-6), (Scheme::Rk4, 1.5e-7)] {
-        assert_short_trajectories(&mut gpu, scheme, of_a_step);
+    for lanes in Lanes::ALL {
+        let Some(mut gpu) = with_lanes(lanes) else { return };
+        // a step of taylor rounds some ten times as often as one of rk4, and where it ends depends on rounded speeds
+        for (scheme, of_a_step) in [(Scheme::Taylor, 1.5e-6), (Scheme::Rk4, 1.5e-7)] {
+            assert_short_trajectories(&mut gpu, scheme, of_a_step);
+        }
     }
 }
 
 fn assert_short_trajectories(gpu: &mut GpuBackend, scheme: Scheme, of_a_step: f64) {
-    let instances = line(256);
+    // an odd number, so that lanes are to spare
+    let instances = line(255);
     let settings = Settings {
         scheme: Some(scheme),
         ..Settings::default()
@@ -70,7 +79,6 @@ fn assert_short_trajectories(gpu: &mut GpuBackend, scheme: Scheme, of_a_step: f6
 
 #[test]
 fn long_orbits_agree_closely_where_regular_and_within_their_errors_where_chaotic() {
-    let Some(context) = gpu_context::open() else { return };
     let settings = Settings {
         transient_periods: 150,
         align_periods: 30,
@@ -83,10 +91,16 @@ fn long_orbits_agree_closely_where_regular_and_within_their_errors_where_chaotic
             .unwrap()
             .expect("nothing breaks the run off")
     };
-    let gpu = measure(&mut GpuBackend::new(context));
     let cpu = measure(&mut CpuBackend::new(Precision::F64));
+    for lanes in Lanes::ALL {
+        let Some(mut gpu) = with_lanes(lanes) else { return };
+        assert_long_orbits(&measure(&mut gpu), &cpu);
+    }
+}
+
+fn assert_long_orbits(gpu: &[Measurement], cpu: &[Measurement]) {
     let (mut regular, mut chaotic, mut different) = (0, 0, 0);
-    for (i, (a, b)) in gpu.iter().zip(&cpu).enumerate() {
+    for (i, (a, b)) in gpu.iter().zip(cpu).enumerate() {
         let difference = (a.lyapunov - b.lyapunov).abs();
         assert!(a.divergence_defect().abs() < 1e-4, "{i}: {a:?}");
         // not while a chaotic transient was measured

@@ -5,13 +5,13 @@ override CHECKED_EVERY: f32;
 override IS_CHECKED: bool;
 
 // Growth over a period with one tangent vector: the second one's is what the divergence leaves to it.
-fn growth_of_first(first: f32, divergence: f32) -> Growth {
+fn growth_of_first(first: Real, divergence: Real) -> Growth {
     return Growth(first, divergence - first);
 }
 
 // Growth over a checked period: by how much that of both misses the divergence counts for all periods up to the next such
 // one.
-fn checked_growth(both: Growth, divergence: f32) -> Growth {
+fn checked_growth(both: Growth, divergence: Real) -> Growth {
     let defect = both.first + both.second - divergence;
-    return Growth(both.first, fma(CHECKED_EVERY, defect, divergence - both.first));
+    return Growth(both.first, fma(Real(CHECKED_EVERY), defect, divergence - both.first));
 }

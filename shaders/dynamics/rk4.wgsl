@@ -3,62 +3,62 @@
 
 // Angle and angular speed of the bush.
 struct State {
-    x: f32,
-    y: f32,
+    x: Real,
+    y: Real,
 }
 
 // Multiples of the step size h that the scheme uses.
 struct StepSize {
-    half: f32,
-    quarter_square: f32,
-    whole: f32,
-    half_square: f32,
-    sixth_square: f32,
-    sixth: f32,
+    half: Real,
+    quarter_square: Real,
+    whole: Real,
+    half_square: Real,
+    sixth_square: Real,
+    sixth: Real,
 }
 
 // Shaft speed at the start, the middle and the end of a step.
 struct StageSpeeds {
-    start: f32,
-    middle: f32,
-    end: f32,
+    start: Real,
+    middle: Real,
+    end: Real,
 }
 
 struct StepWithTangent {
     state: State,
     bases: Bases,
     // The divergence integrated over the step.
-    divergence: f32,
+    divergence: Real,
 }
 
-fn step_size_new(h: f32) -> StepSize {
+fn step_size_new(h: Real) -> StepSize {
     return StepSize(h / 2.0, h * h / 4.0, h, h * h / 2.0, h * h / 6.0, h / 6.0);
 }
 
 // Angle at the second stage, or a vector's x component there.
-fn x2(h: StepSize, x: f32, y: f32) -> f32 {
+fn x2(h: StepSize, x: Real, y: Real) -> Real {
     return fma(y, h.half, x);
 }
 
-fn x3(h: StepSize, x2: f32, k1: f32) -> f32 {
+fn x3(h: StepSize, x2: Real, k1: Real) -> Real {
     return fma(k1, h.quarter_square, x2);
 }
 
-fn x4(h: StepSize, x: f32, y: f32, k2: f32) -> f32 {
+fn x4(h: StepSize, x: Real, y: Real, k2: Real) -> Real {
     return fma(k2, h.half_square, fma(y, h.whole, x));
 }
 
-fn x_end(h: StepSize, x: f32, y: f32, k1: f32, k2: f32, k3: f32) -> f32 {
+fn x_end(h: StepSize, x: Real, y: Real, k1: Real, k2: Real, k3: Real) -> Real {
     return fma(k1 + k2 + k3, h.sixth_square, fma(y, h.whole, x));
 }
 
 // Simpson's weights: h (k1 + 2 k2 + 2 k3 + k4)/6 added to y.
-fn y_end(h: StepSize, y: f32, k1: f32, k2: f32, k3: f32, k4: f32) -> f32 {
-    return fma(fma(2.0, k2 + k3, k1 + k4), h.sixth, y);
+fn y_end(h: StepSize, y: Real, k1: Real, k2: Real, k3: Real, k4: Real) -> Real {
+    return fma(fma(Real(2.0), k2 + k3, k1 + k4), h.sixth, y);
 }
 
 // The speeds less that of the bush at the start of the step.
-fn less(speed: StageSpeeds, y: f32) -> StageSpeeds {
+fn less(speed: StageSpeeds, y: Real) -> StageSpeeds {
     return StageSpeeds(speed.start - y, speed.middle - y, speed.end - y);
 }
 
@@ -117,6 +117,6 @@ fn step_with_tangent(motion: Motion, h: StepSize, speed: StageSpeeds, state: Sta
             Vector(x_end(h, first.x, first.y, a1, a2, a3), y_end(h, first.y, a1, a2, a3, a4)),
             Vector(x_end(h, second.x, second.y, b1, b2, b3), y_end(h, second.y, b1, b2, b3, b4)),
         ),
-        y_end(h, 0.0, f1.by_y, f2.by_y, f3.by_y, f4.by_y),
+        y_end(h, Real(0.0), f1.by_y, f2.by_y, f3.by_y, f4.by_y),
     );
 }

@@ -6,8 +6,8 @@ override SMALLEST_SQUARE: f32;
 
 // A tangent vector (X, Y), with Z = 0.
 struct Vector {
-    x: f32,
-    y: f32,
+    x: Real,
+    y: Real,
 }
 
 // The two tangent vectors that are carried along.
@@ -18,13 +18,13 @@ struct Bases {
 
 // Logarithms of the two vectors' growth.
 struct Growth {
-    first: f32,
-    second: f32,
+    first: Real,
+    second: Real,
 }
 
 struct Normalised {
     vector: Vector,
-    norm: f32,
+    norm: Real,
 }
 
 struct Orthonormalised {
@@ -53,7 +53,7 @@ fn orthonormalise(bases: Bases) -> Orthonormalised {
 }
 
 // Y', the second row of (3.3); X' is Y.
-fn rate(vector: Vector, motion: Linearised) -> f32 {
+fn rate(vector: Vector, motion: Linearised) -> Real {
     return fma(vector.x, motion.by_x, motion.by_y * vector.y);
 }
 
@@ -61,7 +61,7 @@ fn normalised(vector: Vector) -> Normalised {
     // a vector that has shrunk below the smallest number keeps no direction: it is taken as that small; one that has
     // overflowed stays NaN or infinite, and shows
     let measured = fma(vector.x, vector.x, vector.y * vector.y);
-    let square = select(measured, SMALLEST_SQUARE, measured < SMALLEST_SQUARE);
+    let square = select(measured, Real(SMALLEST_SQUARE), measured < Real(SMALLEST_SQUARE));
     let norm = sqrt(square);
     let inverse = 1.0 / norm;
     return Normalised(Vector(vector.x * inverse, vector.y * inverse), norm);

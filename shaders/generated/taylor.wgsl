@@ -15,64 +15,64 @@ const RENEWAL_STEPS: u32 = 8u;
 const MAX_PASSES: u32 = 4096u;
 
 struct Local {
-    linear: f32,
-    minus_b: f32,
-    minus_damping: f32,
-    a_0: f32,
-    a_1: f32,
-    a_2: f32,
-    cubic: f32,
-    drive: f32,
-    drive_slope: f32,
-    x: f32,
-    w: f32,
-    v: f32,
+    linear: Real,
+    minus_b: Real,
+    minus_damping: Real,
+    a_0: Real,
+    a_1: Real,
+    a_2: Real,
+    cubic: Real,
+    drive: Real,
+    drive_slope: Real,
+    x: Real,
+    w: Real,
+    v: Real,
 }
 
 struct Series {
-    x_0: f32,
-    x_1: f32,
-    x_2: f32,
-    x_3: f32,
-    x_4: f32,
-    x_5: f32,
-    x_6: f32,
-    x_7: f32,
-    x_8: f32,
-    w_0: f32,
-    w_1: f32,
-    w_2: f32,
-    w_3: f32,
-    w_4: f32,
-    w_5: f32,
-    w_6: f32,
-    w_7: f32,
-    w_8: f32,
-    v_0: f32,
-    v_1: f32,
-    v_2: f32,
-    v_3: f32,
-    v_4: f32,
-    v_5: f32,
-    v_6: f32,
-    v_7: f32,
-    v_8: f32,
-    by_x_0: f32,
-    by_x_1: f32,
-    by_x_2: f32,
-    by_x_3: f32,
-    by_x_4: f32,
-    by_x_5: f32,
-    by_x_6: f32,
-    by_x_7: f32,
-    by_w_0: f32,
-    by_w_1: f32,
-    by_w_2: f32,
-    by_w_3: f32,
-    by_w_4: f32,
-    by_w_5: f32,
-    by_w_6: f32,
-    by_w_7: f32,
+    x_0: Real,
+    x_1: Real,
+    x_2: Real,
+    x_3: Real,
+    x_4: Real,
+    x_5: Real,
+    x_6: Real,
+    x_7: Real,
+    x_8: Real,
+    w_0: Real,
+    w_1: Real,
+    w_2: Real,
+    w_3: Real,
+    w_4: Real,
+    w_5: Real,
+    w_6: Real,
+    w_7: Real,
+    w_8: Real,
+    v_0: Real,
+    v_1: Real,
+    v_2: Real,
+    v_3: Real,
+    v_4: Real,
+    v_5: Real,
+    v_6: Real,
+    v_7: Real,
+    v_8: Real,
+    by_x_0: Real,
+    by_x_1: Real,
+    by_x_2: Real,
+    by_x_3: Real,
+    by_x_4: Real,
+    by_x_5: Real,
+    by_x_6: Real,
+    by_x_7: Real,
+    by_w_0: Real,
+    by_w_1: Real,
+    by_w_2: Real,
+    by_w_3: Real,
+    by_w_4: Real,
+    by_w_5: Real,
+    by_w_6: Real,
+    by_w_7: Real,
 }
 
 fn series_new(local: Local) -> Series {
@@ -81,8 +81,8 @@ fn series_new(local: Local) -> Series {
     let t2 = t1 * local.x;
     let t3 = local.v * local.v;
     let t4 = fma(local.cubic, t3, t0);
-    let t5 = fma(3.0, t2, local.linear);
-    let t6 = fma(-3.0, t4, t0);
+    let t5 = fma(Real(3.0), t2, local.linear);
+    let t6 = fma(Real(-3.0), t4, t0);
     let t7 = t6 - local.a_1;
     let t8 = t7 + local.minus_damping;
     let t9 = t2 + local.linear;
@@ -105,11 +105,11 @@ fn series_new(local: Local) -> Series {
     let t26 = fma(t25, t15, t23);
     let t27 = 3.0 * t20;
     let t28 = local.a_2 * t15;
-    let t29 = fma(-3.0, t24, t28);
+    let t29 = fma(Real(-3.0), t24, t28);
     let t30 = -0.019276571095877652 * local.drive;
     let t31 = 0.5 * t14;
     let t32 = 0.5 * t26;
-    let t33 = fma(-0.5, t26, t30);
+    let t33 = fma(Real(-0.5), t26, t30);
     let t34 = local.w * local.w;
     let t35 = local.x + local.x;
     let t36 = fma(t35, t31, t34);
@@ -127,11 +127,11 @@ fn series_new(local: Local) -> Series {
     let t48 = fma(t47, t33, t45);
     let t49 = 3.0 * t37;
     let t50 = local.a_2 * t33;
-    let t51 = fma(-3.0, t46, t50);
+    let t51 = fma(Real(-3.0), t46, t50);
     let t52 = -0.001261648627941887 * local.drive_slope;
     let t53 = 0.3333333333333333 * t32;
     let t54 = 0.3333333333333333 * t48;
-    let t55 = fma(-0.3333333333333333, t48, t52);
+    let t55 = fma(Real(-0.3333333333333333), t48, t52);
     let t56 = local.w * t31;
     let t57 = t56 + t56;
     let t58 = local.x + local.x;
@@ -153,11 +153,11 @@ fn series_new(local: Local) -> Series {
     let t74 = fma(t73, t55, t71);
     let t75 = 3.0 * t60;
     let t76 = local.a_2 * t55;
-    let t77 = fma(-3.0, t72, t76);
+    let t77 = fma(Real(-3.0), t72, t76);
     let t78 = 6.193103220240429e-5 * local.drive;
     let t79 = 0.25 * t54;
     let t80 = 0.25 * t74;
-    let t81 = fma(-0.25, t74, t78);
+    let t81 = fma(Real(-0.25), t74, t78);
     let t82 = local.w * t53;
     let t83 = t82 + t82;
     let t84 = fma(t31, t31, t83);
@@ -183,11 +183,11 @@ fn series_new(local: Local) -> Series {
     let t104 = fma(t103, t81, t101);
     let t105 = 3.0 * t87;
     let t106 = local.a_2 * t81;
-    let t107 = fma(-3.0, t102, t106);
+    let t107 = fma(Real(-3.0), t102, t106);
     let t108 = 2.432025947453828e-6 * local.drive_slope;
     let t109 = 0.2 * t80;
     let t110 = 0.2 * t104;
-    let t111 = fma(-0.2, t104, t108);
+    let t111 = fma(Real(-0.2), t104, t108);
     let t112 = local.w * t79;
     let t113 = fma(t31, t53, t112);
     let t114 = t113 + t113;
@@ -215,11 +215,11 @@ fn series_new(local: Local) -> Series {
     let t136 = fma(t135, t111, t133);
     let t137 = 3.0 * t117;
     let t138 = local.a_2 * t111;
-    let t139 = fma(-3.0, t134, t138);
+    let t139 = fma(Real(-3.0), t134, t138);
     let t140 = -7.95878630193823e-8 * local.drive;
     let t141 = 0.16666666666666666 * t110;
     let t142 = 0.16666666666666666 * t136;
-    let t143 = fma(-0.16666666666666666, t136, t140);
+    let t143 = fma(Real(-0.16666666666666666), t136, t140);
     let t144 = local.w * t109;
     let t145 = fma(t31, t79, t144);
     let t146 = t145 + t145;
@@ -251,11 +251,11 @@ fn series_new(local: Local) -> Series {
     let t172 = fma(t171, t143, t169);
     let t173 = 3.0 * t150;
     let t174 = local.a_2 * t143;
-    let t175 = fma(-3.0, t170, t174);
+    let t175 = fma(Real(-3.0), t170, t174);
     let t176 = -2.2324343372910912e-9 * local.drive_slope;
     let t177 = 0.14285714285714285 * t142;
     let t178 = 0.14285714285714285 * t172;
-    let t179 = fma(-0.14285714285714285, t172, t176);
+    let t179 = fma(Real(-0.14285714285714285), t172, t176);
     let t180 = local.w * t141;
     let t181 = fma(t31, t109, t180);
     let t182 = fma(t53, t79, t181);
@@ -289,11 +289,11 @@ fn series_new(local: Local) -> Series {
     let t210 = fma(t209, t179, t207);
     let t211 = 3.0 * t186;
     let t212 = local.a_2 * t179;
-    let t213 = fma(-3.0, t208, t212);
+    let t213 = fma(Real(-3.0), t208, t212);
     let t214 = 5.479218213793196e-11 * local.drive;
     let t215 = 0.125 * t178;
     let t216 = 0.125 * t210;
-    let t217 = fma(-0.125, t210, t214);
+    let t217 = fma(Real(-0.125), t210, t214);
     return Series(
         local.x,
         local.w,
@@ -341,7 +341,7 @@ fn series_new(local: Local) -> Series {
     );
 }
 
-fn x_at(series: Series, s: f32) -> f32 {
+fn x_at(series: Series, s: Real) -> Real {
     let t0 = s * s;
     let t1 = fma(series.x_8, t0, series.x_6);
     let t2 = fma(t1, t0, series.x_4);
@@ -354,7 +354,7 @@ fn x_at(series: Series, s: f32) -> f32 {
     return t8;
 }
 
-fn w_at(series: Series, s: f32) -> f32 {
+fn w_at(series: Series, s: Real) -> Real {
     let t0 = s * s;
     let t1 = fma(series.w_8, t0, series.w_6);
     let t2 = fma(t1, t0, series.w_4);
@@ -367,7 +367,7 @@ fn w_at(series: Series, s: f32) -> f32 {
     return t8;
 }
 
-fn v_at(series: Series, s: f32) -> f32 {
+fn v_at(series: Series, s: Real) -> Real {
     let t0 = s * s;
     let t1 = fma(series.v_8, t0, series.v_6);
     let t2 = fma(t1, t0, series.v_4);
@@ -380,7 +380,7 @@ fn v_at(series: Series, s: f32) -> f32 {
     return t8;
 }
 
-fn divergence_to(series: Series, s: f32) -> f32 {
+fn divergence_to(series: Series, s: Real) -> Real {
     let t0 = 0.125 * series.by_w_7;
     let t1 = 0.14285714285714285 * series.by_w_6;
     let t2 = fma(t0, s, t1);
@@ -400,7 +400,7 @@ fn divergence_to(series: Series, s: f32) -> f32 {
     return t15;
 }
 
-fn vector_at(series: Series, vector: Vector, s: f32) -> Vector {
+fn vector_at(series: Series, vector: Vector, s: Real) -> Vector {
     let t0 = series.by_x_0 * vector.x;
     let t1 = fma(series.by_w_0, vector.y, t0);
     let t2 = 1.0 * vector.y;
@@ -510,17 +510,17 @@ fn vector_at(series: Series, vector: Vector, s: f32) -> Vector {
     return Vector(t96, t105);
 }
 
-fn rotated(sin_z: f32, cos_z: f32, s: f32) -> vec2<f32> {
+fn rotated(sin_z: Real, cos_z: Real, s: Real) -> Rotated {
     let t0 = s * s;
-    let t1 = fma(1.195379978324173e-12, t0, -2.2324343372910912e-9);
-    let t2 = fma(t1, t0, 2.432025947453828e-6);
-    let t3 = fma(t2, t0, -0.001261648627941887);
-    let t4 = fma(t3, t0, 0.19634954084936207);
+    let t1 = fma(Real(1.195379978324173e-12), t0, Real(-2.2324343372910912e-9));
+    let t2 = fma(t1, t0, Real(2.432025947453828e-6));
+    let t3 = fma(t2, t0, Real(-0.001261648627941887));
+    let t4 = fma(t3, t0, Real(0.19634954084936207));
     let t5 = t4 * s;
-    let t6 = fma(-5.479218213793196e-11, t0, 7.95878630193823e-8);
-    let t7 = fma(t6, t0, -6.193103220240429e-5);
-    let t8 = fma(t7, t0, 0.019276571095877652);
-    let t9 = fma(t8, t0, 0.0);
+    let t6 = fma(Real(-5.479218213793196e-11), t0, Real(7.95878630193823e-8));
+    let t7 = fma(t6, t0, Real(-6.193103220240429e-5));
+    let t8 = fma(t7, t0, Real(0.019276571095877652));
+    let t9 = fma(t8, t0, Real(0.0));
     let t10 = sin_z * t9;
     let t11 = -t10;
     let t12 = fma(cos_z, t5, t11);
@@ -528,5 +528,5 @@ fn rotated(sin_z: f32, cos_z: f32, s: f32) -> vec2<f32> {
     let t14 = cos_z * t9;
     let t15 = fma(sin_z, t5, t14);
     let t16 = cos_z - t15;
-    return vec2(t13, t16);
+    return Rotated(t13, t16);
 }

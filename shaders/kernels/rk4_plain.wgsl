@@ -1,31 +1,35 @@
-// Carries the motion alone on by some forcing periods, one thread an instance.
+// Carries the motion alone on by some forcing periods, a lane an instance.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn advance_plain(@builtin(global_invocation_id) thread: vec3<u32>) {
-    if (thread.x >= span.instances) {
+fn advance_plain(@builtin(global_invocation_id) global: vec3<u32>) {
+    let thread = global.x;
+    let carried = lanes_to_carry(thread);
+    if (!is_any(carried)) {
         return;
     }
-    let instance = span.first_instance + thread.x;
-    // nothing more is asked of an instance that has run away
-    if (orbits[instance].runaway_period != 0u) {
-        return;
-    }
-    let motion = motion_new(parameters[instance]);
-    let h = step_size_new(parameters[instance].step_size);
-    var state = State(orbits[instance].x, orbits[instance].y);
+    let values = load_values(thread);
+    let motion = motion_new(values);
+    let h = step_size_new(values.step_size);
+    var orbit = load_orbits(thread);
+    var goes_on = carried;
     for (var n = 0u; n < span.periods; n++) {
-        var start = shaft_speed(motion, 0.0);
+        var state = State(orbit.x, orbit.y);
+        var start = shaft_speed(motion, Real(0.0));
         for (var step = 0u; step < run.steps_per_period; step++) {
             let sin_z = drive_at(step);
-            let speed = StageSpeeds(start, shaft_speed(motion, sin_z.x), shaft_speed(motion, sin_z.y));
+            let speed =
+                StageSpeeds(start, shaft_speed(motion, Real(sin_z.x)), shaft_speed(motion, Real(sin_z.y)));
             state = rk4_step(motion, h, speed, state);
             start = speed.end;
         }
-        if (has_run_away(state.x, state.y)) {
-            orbits[instance].runaway_period = span.elapsed + n + 1u;
+        orbit.x = update(orbit.x, state.x, goes_on);
+        orbit.y = update(orbit.y, state.y, goes_on);
+        let ran_away = goes_on & has_run_away(orbit.x, orbit.y);
+        note_runaways(thread, ran_away, span.elapsed + n + 1u);
+        goes_on = goes_on & !ran_away;
+        if (!is_any(goes_on)) {
             break;
         }
     }
-    orbits[instance].x = state.x;
-    orbits[instance].y = state.y;
+    store_states(thread, carried, orbit);
 }

@@ -1,46 +1,48 @@
-// Carries motion and tangent vectors on by some forcing periods, one thread an instance; where they are measured, sums
-// up growth and divergence and compares stroboscopic states. The second vector is that of checked periods; in others nothing
+// Carries motion and tangent vectors on by some forcing periods, a lane an instance; where they are measured, sums up
+// growth and divergence and compares stroboscopic states. The second vector is that of checked periods; in others nothing
 // depends on it, and compilers leave it out.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
-    if (thread.x >= span.instances) {
+fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
+    let thread = global.x;
+    let carried = lanes_to_carry(thread);
+    if (!is_any(carried)) {
         return;
     }
-    let instance = span.first_instance + thread.x;
-    var orbit = orbits[instance];
-    // nothing more is asked of an instance that has run away
-    if (orbit.runaway_period != 0u) {
-        return;
-    }
-    let motion = motion_new(parameters[instance]);
-    let h = step_size_new(parameters[instance].step_size);
-    var state = State(orbit.x, orbit.y);
-    var tangent = tangents[instance];
-    var sums = totals[instance];
+    let values = load_values(thread);
+    let motion = motion_new(values);
+    let h = step_size_new(values.step_size);
+    var orbit = load_orbits(thread);
+    var tangent = load_tangents(thread);
+    var sums = load_sums(thread);
+    var goes_on = carried;
     for (var n = 0u; n < span.periods; n++) {
         let index = span.first + n;
         if (span.measured != 0u && index == 0u) {
-            orbit.x_min = state.x;
-            orbit.x_max = state.x;
+            orbit.x_min = orbit.x;
+            orbit.x_max = orbit.x;
         }
-        var bases = bases_along(Vector(tangent.x, tangent.y));
+        var state = State(orbit.x, orbit.y);
+        var x_min = orbit.x_min;
+        var x_max = orbit.x_max;
+        var bases = bases_along(tangent);
         // the period's own sums come first: added to the slot's total one by one, small terms would lose more digits
-        var both = Growth(0.0, 0.0);
-        var divergence = 0.0;
-        var start = shaft_speed(motion, 0.0);
+        var both = Growth(Real(0.0), Real(0.0));
+        var divergence = Real(0.0);
+        var start = shaft_speed(motion, Real(0.0));
         var step = 0u;
         while (step < run.steps_per_period) {
             let renormalised_at = min(step + run.renormalise_every, run.steps_per_period);
             for (; step < renormalised_at; step++) {
                 let sin_z = drive_at(step);
-                let speed = StageSpeeds(start, shaft_speed(motion, sin_z.x), shaft_speed(motion, sin_z.y));
+                let speed =
+                    StageSpeeds(start, shaft_speed(motion, Real(sin_z.x)), shaft_speed(motion, Real(sin_z.y)));
                 let end = step_with_tangent(motion, h, speed, state, bases);
                 state = end.state;
                 bases = end.bases;
                 divergence += end.divergence;
-                orbit.x_min = min(orbit.x_min, state.x);
-                orbit.x_max = max(orbit.x_max, state.x);
+                x_min = min(x_min, state.x);
+                x_max = max(x_max, state.x);
                 start = speed.end;
             }
             let renormalised = orthonormalise(bases);
@@ -48,9 +50,17 @@ fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
             both.first += renormalised.growth.first;
             both.second += renormalised.growth.second;
         }
-        tangent = vec2(bases.first.x, bases.first.y);
-        if (has_run_away(state.x, state.y)) {
-            orbit.runaway_period = span.elapsed + n + 1u;
+        tangent = update_vector(tangent, bases.first, goes_on);
+        orbit = Orbits(
+            update(orbit.x, state.x, goes_on),
+            update(orbit.y, state.y, goes_on),
+            update(orbit.x_min, x_min, goes_on),
+            update(orbit.x_max, x_max, goes_on),
+        );
+        let ran_away = goes_on & has_run_away(orbit.x, orbit.y);
+        note_runaways(thread, ran_away, span.elapsed + n + 1u);
+        goes_on = goes_on & !ran_away;
+        if (!is_any(goes_on)) {
             break;
         }
         if (span.measured != 0u) {
@@ -58,26 +68,14 @@ fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
             if (IS_CHECKED) {
                 growth = checked_growth(both, divergence);
             }
-            sums.growth_first += growth.first;
-            sums.growth_second += growth.second;
-            sums.birkhoff = fma(growth.first, birkhoff_weights[index], sums.birkhoff);
-            sums.divergence += divergence;
+            sums = sums_with(sums, growth, birkhoff_weights[index], divergence, goes_on);
             if (index >= run.unrecorded) {
-                let recorded = index - run.unrecorded;
-                orbit.candidates =
-                    record(instance, recorded, state.x, state.y, run.period_tolerance, orbit.candidates);
+                record_states(thread, goes_on, index - run.unrecorded, orbit);
             }
         }
     }
-    tangents[instance] = tangent;
-    totals[instance] = sums;
-    orbits[instance] = Orbit(
-        state.x,
-        state.y,
-        orbit.x_min,
-        orbit.x_max,
-        orbit.candidates,
-        orbit.runaway_period,
-        orbit.under_resolved,
-    );
+    store_states(thread, carried, orbit);
+    store_extremes(thread, carried, orbit);
+    store_tangents(thread, carried, tangent);
+    store_sums(thread, carried, sums);
 }

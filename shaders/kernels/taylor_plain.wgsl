@@ -1,41 +1,38 @@
-// Carries the motion alone on by some forcing periods in Taylor steps, one thread an instance with a clock of its own.
+// Carries the motion alone on by some forcing periods in Taylor steps, a lane an instance with a clock of its own.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn advance_plain(@builtin(global_invocation_id) thread: vec3<u32>) {
-    if (thread.x >= span.instances) {
+fn advance_plain(@builtin(global_invocation_id) global: vec3<u32>) {
+    let thread = global.x;
+    let carried = lanes_to_carry(thread);
+    if (!is_any(carried)) {
         return;
     }
-    let instance = span.first_instance + thread.x;
-    // nothing more is asked of an instance that has run away or was given up
-    if (orbits[instance].runaway_period != 0u || orbits[instance].under_resolved != 0u) {
-        return;
-    }
-    let flow = flow_new(parameters[instance]);
-    let unit = parameters[instance].unit_of_time;
-    var x = orbits[instance].x;
-    var y = orbits[instance].y;
+    let values = load_values(thread);
+    let flow = flow_new(values);
+    let unit = values.unit_of_time;
+    var orbit = load_orbits(thread);
+    var goes_on = carried;
     for (var n = 0u; n < span.periods; n++) {
-        var state = state_start(flow, x, y * unit, TICKS_PER_PERIOD);
+        var state = state_start(flow, orbit.x, orbit.y * unit, select(Word(0u), Word(TICKS_PER_PERIOD), goes_on));
         var taken = 0u;
         // a period begins with ticks to go: asked at a pass's end, threads that go in step do not wait for an idle one
         loop {
             state = taylor_step(flow, state).end;
             taken++;
             continuing {
-                break if state.left == 0u || taken == MAX_PASSES;
+                break if !is_any(state.left != Word(0u)) || taken == MAX_PASSES;
             }
         }
-        x = state.x;
-        y = state.w / unit;
-        if (has_run_away(x, y)) {
-            orbits[instance].runaway_period = span.elapsed + n + 1u;
-            break;
-        }
-        if (state.left != 0u) {
-            orbits[instance].under_resolved = 1u;
+        orbit.x = update(orbit.x, state.x, goes_on);
+        orbit.y = update(orbit.y, state.w / unit, goes_on);
+        let ran_away = goes_on & has_run_away(orbit.x, orbit.y);
+        note_runaways(thread, ran_away, span.elapsed + n + 1u);
+        let given_up = goes_on & !ran_away & (state.left != Word(0u));
+        note_under_resolved(thread, given_up);
+        goes_on = goes_on & !ran_away & !given_up;
+        if (!is_any(goes_on)) {
             break;
         }
     }
-    orbits[instance].x = x;
-    orbits[instance].y = y;
+    store_states(thread, carried, orbit);
 }

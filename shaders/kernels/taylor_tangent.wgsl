@@ -1,51 +1,53 @@
-// Carries motion and tangent vectors on by some forcing periods in Taylor steps, one thread an instance with a clock of
-// its own; where they are measured, sums up growth and divergence and compares stroboscopic states. Follows the second
-// vector in checked periods alone.
+// Carries motion and tangent vectors on by some forcing periods in Taylor steps, a lane an instance with a clock of its
+// own; where they are measured, sums up growth and divergence and compares stroboscopic states. Follows the second vector
+// in checked periods alone.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
-    if (thread.x >= span.instances) {
+fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
+    let thread = global.x;
+    let carried = lanes_to_carry(thread);
+    if (!is_any(carried)) {
         return;
     }
-    let instance = span.first_instance + thread.x;
-    var orbit = orbits[instance];
-    // nothing more is asked of an instance that has run away or was given up
-    if (orbit.runaway_period != 0u || orbit.under_resolved != 0u) {
-        return;
-    }
-    let flow = flow_new(parameters[instance]);
-    let unit = parameters[instance].unit_of_time;
-    var tangent = tangents[instance];
-    var sums = totals[instance];
+    let values = load_values(thread);
+    let flow = flow_new(values);
+    let unit = values.unit_of_time;
+    var orbit = load_orbits(thread);
+    var tangent = load_tangents(thread);
+    var sums = load_sums(thread);
+    var goes_on = carried;
     for (var n = 0u; n < span.periods; n++) {
         let index = span.first + n;
         if (span.measured != 0u && index == 0u) {
             orbit.x_min = orbit.x;
             orbit.x_max = orbit.x;
         }
-        var state = state_start(flow, orbit.x, orbit.y * unit, TICKS_PER_PERIOD);
+        var state = state_start(flow, orbit.x, orbit.y * unit, select(Word(0u), Word(TICKS_PER_PERIOD), goes_on));
         var first = Vector(tangent.x, tangent.y * unit);
         var area = area_new(first);
-        var divergence = 0.0;
+        var divergence = Real(0.0);
         var taken = 0u;
         // a period begins with ticks to go: asked at a pass's end, threads that go in step do not wait for an idle one
         loop {
             taken++;
+            let runs = state.left != Word(0u);
             let step = taylor_step(flow, state);
             let turn = turning(step);
-            first = vector_at(step.series, first, step.s);
+            first = update_vector(first, vector_at(step.series, first, step.s), runs);
             if (IS_CHECKED) {
-                area.second = vector_at(step.series, area.second, step.s);
+                area.second = update_vector(area.second, vector_at(step.series, area.second, step.s), runs);
                 if (taken % RENEWAL_STEPS == 0u) {
-                    area = renew(area, first);
+                    let renewed = renew(area, first);
+                    area.second = update_vector(area.second, renewed.second, runs);
+                    area.product = update(area.product, renewed.product, runs);
                 }
             }
-            divergence += divergence_to(step.series, step.s);
+            divergence = update(divergence, divergence + divergence_to(step.series, step.s), runs);
             orbit.x_min = min(orbit.x_min, min(turn, step.end.x));
             orbit.x_max = max(orbit.x_max, max(turn, step.end.x));
             state = step.end;
             continuing {
-                break if state.left == 0u || taken == MAX_PASSES;
+                break if !is_any(state.left != Word(0u)) || taken == MAX_PASSES;
             }
         }
         var growth: Growth;
@@ -58,30 +60,26 @@ fn advance_tangent(@builtin(global_invocation_id) thread: vec3<u32>) {
             first = closed.vector;
             growth = growth_of_first(closed.growth, divergence);
         }
-        tangent = vec2(first.x, first.y);
-        orbit.x = state.x;
-        orbit.y = state.w / unit;
-        if (has_run_away(orbit.x, orbit.y)) {
-            orbit.runaway_period = span.elapsed + n + 1u;
-            break;
-        }
-        if (state.left != 0u) {
-            orbit.under_resolved = 1u;
+        tangent = update_vector(tangent, first, goes_on);
+        orbit.x = update(orbit.x, state.x, goes_on);
+        orbit.y = update(orbit.y, state.w / unit, goes_on);
+        let ran_away = goes_on & has_run_away(orbit.x, orbit.y);
+        note_runaways(thread, ran_away, span.elapsed + n + 1u);
+        let given_up = goes_on & !ran_away & (state.left != Word(0u));
+        note_under_resolved(thread, given_up);
+        goes_on = goes_on & !ran_away & !given_up;
+        if (!is_any(goes_on)) {
             break;
         }
         if (span.measured != 0u) {
-            sums.growth_first += growth.first;
-            sums.growth_second += growth.second;
-            sums.birkhoff = fma(growth.first, birkhoff_weights[index], sums.birkhoff);
-            sums.divergence += divergence;
+            sums = sums_with(sums, growth, birkhoff_weights[index], divergence, goes_on);
             if (index >= run.unrecorded) {
-                let recorded = index - run.unrecorded;
-                orbit.candidates =
-                    record(instance, recorded, orbit.x, orbit.y, run.period_tolerance, orbit.candidates);
+                record_states(thread, goes_on, index - run.unrecorded, orbit);
             }
         }
     }
-    tangents[instance] = tangent;
-    totals[instance] = sums;
-    orbits[instance] = orbit;
+    store_states(thread, carried, orbit);
+    store_extremes(thread, carried, orbit);
+    store_tangents(thread, carried, tangent);
+    store_sums(thread, carried, sums);
 }

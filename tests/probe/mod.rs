@@ -21,14 +21,21 @@ impl Noise {
     }
 }
 
-/// What the kernel `probe` of the shader `source` makes of the samples, one a thread: as many as whole workgroups of 64
-/// hold. It reads them from binding 10 and writes to binding 11, and has no others.
+/// What the kernel `probe` of the shader `source` makes of the samples, one a lane: as many as whole workgroups of 64
+/// threads hold. It reads them from binding 10 and writes to binding 11, and has no others; there, each number is followed
+/// by those of the thread's other lanes.
 pub fn evaluate<const I: usize, const O: usize>(
     context: &GpuContext,
     source: &str,
     constants: &[(&str, f64)],
+    lanes: usize,
     samples: &[[f32; I]],
 ) -> Vec<[f32; O]> {
+    assert!(samples.len().is_multiple_of(64 * lanes));
+    let by_lanes: Vec<f32> = samples
+        .chunks(lanes)
+        .flat_map(|thread| (0..I).flat_map(move |i| thread.iter().map(move |sample| sample[i])))
+        .collect();
     let device = context.device();
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("probe"),
@@ -58,7 +65,7 @@ pub fn evaluate<const I: usize, const O: usize>(
     let input = buffer(size_of_val(samples) as u64, Usage::STORAGE | Usage::COPY_DST);
     let output = buffer(size, Usage::STORAGE | Usage::COPY_SRC);
     let staging = buffer(size, Usage::MAP_READ | Usage::COPY_DST);
-    context.queue().write_buffer(&input, 0, bytemuck::cast_slice(samples));
+    context.queue().write_buffer(&input, 0, bytemuck::cast_slice(&by_lanes));
     let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: None,
         layout: &pipeline.get_bind_group_layout(0),
@@ -77,11 +84,15 @@ pub fn evaluate<const I: usize, const O: usize>(
     let mut pass = encoder.begin_compute_pass(&Default::default());
     pass.set_pipeline(&pipeline);
     pass.set_bind_group(0, &bindings, &[]);
-    pass.dispatch_workgroups(samples.len() as u32 / 64, 1, 1);
+    pass.dispatch_workgroups((samples.len() / (64 * lanes)) as u32, 1, 1);
     drop(pass);
     encoder.copy_buffer_to_buffer(&output, 0, &staging, 0, size);
     context.queue().submit([encoder.finish()]);
     staging.slice(..).map_async(wgpu::MapMode::Read, |_| ());
     device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
-    bytemuck::pod_collect_to_vec(&staging.slice(..).get_mapped_range().unwrap())
+    let probes: Vec<f32> = bytemuck::pod_collect_to_vec(&staging.slice(..).get_mapped_range().unwrap());
+    probes
+        .chunks(O * lanes)
+        .flat_map(|thread| (0..lanes).map(move |lane| std::array::from_fn(|i| thread[i * lanes + lane])))
+        .collect()
 }

@@ -9,6 +9,7 @@ use std::time::Duration;
 use super::adapter::{self, AdapterDescription};
 use super::layout::DRIVE_ENTRIES;
 use super::pipelines::Pipelines;
+use super::shader_source::Lanes;
 use crate::backend::BackendError;
 
 /// Threads in a workgroup: a whole number of every vendor's subgroups.
@@ -58,7 +59,7 @@ impl GpuContext {
         }))
         .map_err(|error| BackendError::NoDevice(format!("{description} does not open: {error}")))?;
         let faults = Faults::watching(&device);
-        let pipelines = Pipelines::new(&device, workgroup_size);
+        let pipelines = Pipelines::new(&device, workgroup_size, Lanes::suiting(description.is_software));
         let context = Self {
             device,
             queue,
@@ -68,6 +69,13 @@ impl GpuContext {
         };
         context.check()?;
         Ok(context)
+    }
+
+    /// The same with so many instances in a thread, whatever would suit the adapter.
+    #[must_use]
+    pub fn with_lanes(self, lanes: Lanes) -> Self {
+        let pipelines = Pipelines::new(&self.device, self.pipelines.workgroup_size(), lanes);
+        Self { pipelines, ..self }
     }
 
     pub fn description(&self) -> &AdapterDescription {

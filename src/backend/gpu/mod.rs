@@ -1,4 +1,4 @@
-//! The GPU backend: one thread an instance, f32, in WGSL through wgpu.
+//! The GPU backend: a lane of a thread an instance, f32, in WGSL through wgpu.
 //!
 //! Owns the passage of batches through a device; the arithmetic is that of `shaders/`, whose files are twins of the
 //! model's and the algorithms' modules.
@@ -53,7 +53,7 @@ impl GpuBackend {
         let load = Load {
             instances: 0,
             steps_per_period: 0,
-            workgroup_size: context.pipelines().workgroup_size(),
+            workgroup_instances: context.pipelines().workgroup_instances(),
             max_workgroups: context.device().limits().max_compute_workgroups_per_dimension,
             most_periods: u32::MAX,
         };
@@ -141,7 +141,7 @@ impl GpuBackend {
         let shader = Shader::of(self.scheme).expect("a batch is loaded only for schemes that have a shader");
         pass.set_pipeline(pipelines.kernel(self.context.device(), self.scheme, shader, kernel));
         pass.set_bind_group(0, buffers.bindings(), &[]);
-        pass.dispatch_workgroups(span.instances.div_ceil(pipelines.workgroup_size()), 1, 1);
+        pass.dispatch_workgroups(span.instances.div_ceil(pipelines.workgroup_instances()), 1, 1);
         drop(pass);
         self.context.queue().submit([encoder.finish()]);
         self.context.wait()?;

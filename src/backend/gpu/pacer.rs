@@ -23,7 +23,8 @@ const FASTEST_GROWTH: f64 = 8.0;
 pub struct Load {
     pub instances: u32,
     pub steps_per_period: u32,
-    pub workgroup_size: u32,
+    /// Instances that a workgroup carries.
+    pub workgroup_instances: u32,
     /// The device's limit of workgroups in a dispatch.
     pub max_workgroups: u32,
     /// Most periods of a dispatch, however short they are.
@@ -33,7 +34,7 @@ pub struct Load {
 impl Load {
     /// Steps of one workgroup over so many periods.
     fn workgroup_steps(&self, periods: u32) -> u64 {
-        u64::from(self.workgroup_size) * u64::from(self.steps_per_period) * u64::from(periods)
+        u64::from(self.workgroup_instances) * u64::from(self.steps_per_period) * u64::from(periods)
     }
 }
 
@@ -85,7 +86,7 @@ impl Pacer {
 
     /// Periods that the whole batch is carried on by, of `left`: one at least, in as many dispatches as that takes.
     fn periods(&self, load: &Load, left: u32) -> u32 {
-        let workgroups = load.instances.div_ceil(load.workgroup_size);
+        let workgroups = load.instances.div_ceil(load.workgroup_instances);
         let periods = self.steps / (u64::from(workgroups.max(1)) * load.workgroup_steps(1));
         periods.clamp(1, left.into()) as u32
     }
@@ -94,9 +95,9 @@ impl Pacer {
     /// equal size, since a small last one would leave the device idle.
     fn instances(&self, load: &Load, periods: u32, left: u32) -> u32 {
         let most = (self.steps / load.workgroup_steps(periods)).clamp(1, load.max_workgroups.into()) as u32;
-        let workgroups = left.div_ceil(load.workgroup_size);
+        let workgroups = left.div_ceil(load.workgroup_instances);
         let ranges = workgroups.div_ceil(most);
-        (workgroups.div_ceil(ranges) * load.workgroup_size).min(left)
+        (workgroups.div_ceil(ranges) * load.workgroup_instances).min(left)
     }
 
     /// Learns that a dispatch of so many periods of so many instances took `elapsed`.
@@ -119,7 +120,7 @@ mod tests {
     const LOAD: Load = Load {
         instances: 100_000,
         steps_per_period: 628,
-        workgroup_size: 64,
+        workgroup_instances: 64,
         max_workgroups: 65535,
         most_periods: u32::MAX,
     };
@@ -187,7 +188,7 @@ mod tests {
     fn ranges_keep_to_the_device_s_limit_and_are_nearly_equal() {
         let load = Load {
             instances: 200_001,
-            workgroup_size: 1,
+            workgroup_instances: 1,
             ..LOAD
         };
         let pacer = Pacer { steps: 1 << 40 };

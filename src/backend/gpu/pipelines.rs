@@ -5,7 +5,7 @@
 use std::sync::OnceLock;
 
 use super::layout::{DRIVE_ENTRIES, Orbit, Parameters, Run, Span, Tangent, Totals, binding};
-use super::shader_source::{Kernel, Shader};
+use super::shader_source::{Kernel, Lanes, Shader};
 use crate::experiment::Scheme;
 
 /// The kernels of one scheme.
@@ -16,11 +16,12 @@ pub struct Pipelines {
     layout: wgpu::BindGroupLayout,
     kernels: [OnceLock<Kernels>; Scheme::ALL.len()],
     workgroup_size: u32,
+    lanes: Lanes,
 }
 
 impl Pipelines {
     /// Compiles nothing yet; errors are left to the device's error handler.
-    pub fn new(device: &wgpu::Device, workgroup_size: u32) -> Self {
+    pub fn new(device: &wgpu::Device, workgroup_size: u32, lanes: Lanes) -> Self {
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("batch"),
             entries: &entries(),
@@ -29,6 +30,7 @@ impl Pipelines {
             layout,
             kernels: Default::default(),
             workgroup_size,
+            lanes,
         }
     }
 
@@ -52,7 +54,7 @@ impl Pipelines {
         });
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("tribochaos"),
-            source: wgpu::ShaderSource::Wgsl(shader.source.into()),
+            source: wgpu::ShaderSource::Wgsl(shader.source(self.lanes).into()),
         });
         Kernel::ALL.map(|kernel| {
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -75,6 +77,11 @@ impl Pipelines {
 
     pub fn workgroup_size(&self) -> u32 {
         self.workgroup_size
+    }
+
+    /// Instances that a workgroup carries.
+    pub fn workgroup_instances(&self) -> u32 {
+        self.workgroup_size * self.lanes.count()
     }
 }
 

@@ -67,6 +67,14 @@ impl<'a> Symbol<'a> {
         }
     }
 
+    /// The text as an argument of a function, which asks that all of them have a thread's number of lanes.
+    fn argument(self) -> String {
+        match self {
+            Self::Constant(_) => format!("Real({})", self.text()),
+            Self::Name(..) => self.text(),
+        }
+    }
+
     /// Prints the operation, or does it, where all is constant.
     fn operation(operands: &[Self], text: &str, constant: impl Fn(&[f64]) -> f64) -> Self {
         if let Some(body) = operands.iter().find_map(|operand| operand.body()) {
@@ -111,7 +119,7 @@ impl Number for Symbol<'_> {
         Self::Constant(value)
     }
     fn fused(self, factor: Self, addend: Self) -> Self {
-        let text = format!("fma({}, {}, {})", self.text(), factor.text(), addend.text());
+        let text = format!("fma({}, {}, {})", self.argument(), factor.argument(), addend.argument());
         Self::operation(&[self, factor, addend], &text, |v| v[0] * v[1] + v[2])
     }
 }
@@ -171,7 +179,7 @@ fn given(body: &Body) -> SymbolSeries<'_> {
 }
 
 fn structure(name: &str, fields: impl Iterator<Item = String>) -> String {
-    let fields: String = fields.map(|field| format!("    {field}: f32,\n")).collect();
+    let fields: String = fields.map(|field| format!("    {field}: Real,\n")).collect();
     format!("struct {name} {{\n{fields}}}\n\n")
 }
 
@@ -226,7 +234,7 @@ fn series_new() -> String {
 fn evaluation<'a>(body: &'a Body, name: &str, value: impl Fn(&SymbolSeries<'a>, Symbol<'a>) -> Symbol<'a>) -> String {
     let result = value(&given(body), body.named("s")).text();
     format!(
-        "fn {name}(series: Series, s: f32) -> f32 {{\n{}    return {result};\n}}\n\n",
+        "fn {name}(series: Series, s: Real) -> Real {{\n{}    return {result};\n}}\n\n",
         body.text()
     )
 }
@@ -239,7 +247,7 @@ fn vector_at() -> String {
     };
     let end = given(&body).vector_at(start, body.named("s"));
     format!(
-        "fn vector_at(series: Series, vector: Vector, s: f32) -> Vector {{\n{}    return Vector({}, {});\n}}\n",
+        "fn vector_at(series: Series, vector: Vector, s: Real) -> Vector {{\n{}    return Vector({}, {});\n}}\n",
         body.text(),
         end.x.text(),
         end.y.text()
@@ -250,7 +258,7 @@ fn rotated() -> String {
     let body = Body::default();
     let (sin, cos) = series::rotated(body.named("sin_z"), body.named("cos_z"), body.named("s"));
     format!(
-        "fn rotated(sin_z: f32, cos_z: f32, s: f32) -> vec2<f32> {{\n{}    return vec2({}, {});\n}}\n",
+        "fn rotated(sin_z: Real, cos_z: Real, s: Real) -> Rotated {{\n{}    return Rotated({}, {});\n}}\n",
         body.text(),
         sin.text(),
         cos.text()

@@ -51,7 +51,7 @@ impl RubbedBatch {
         let (pipelines, buffers) = before.map(|batch| (batch.pipelines, batch.buffers)).unzip();
         let pipelines = match pipelines.filter(|pipelines: &Pipelines| pipelines.modes() == settings.modes) {
             Some(pipelines) => pipelines,
-            None => Pipelines::new(context, settings.modes, load.workgroup_size)?,
+            None => Pipelines::new(context, settings.modes)?,
         };
         let buffers = match buffers.filter(|buffers: &Buffers| buffers.hold(instances.len(), settings)) {
             Some(buffers) => buffers,
@@ -65,6 +65,8 @@ impl RubbedBatch {
             instances: instances.to_vec(),
             load: Load {
                 instances: instances.len() as u32,
+                // one a thread
+                workgroup_instances: context.pipelines().workgroup_size(),
                 steps_per_period: STEPS_PER_PERIOD,
                 most_periods: MOST_PERIODS,
                 ..load
@@ -89,7 +91,7 @@ impl RubbedBatch {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(self.pipelines.kernel(carries_tangent));
         pass.set_bind_group(0, self.buffers.bindings(), &[]);
-        pass.dispatch_workgroups(span.instances.div_ceil(self.load.workgroup_size), 1, 1);
+        pass.dispatch_workgroups(span.instances.div_ceil(self.load.workgroup_instances), 1, 1);
         drop(pass);
         context.queue().submit([encoder.finish()]);
         context.wait()?;

@@ -18,8 +18,9 @@ pub struct Pipelines {
 
 impl Pipelines {
     /// Compiles the kernels for so many heat modes.
-    pub fn new(context: &GpuContext, modes: u32, workgroup_size: u32) -> Result<Self, BackendError> {
+    pub fn new(context: &GpuContext, modes: u32) -> Result<Self, BackendError> {
         let device = context.device();
+        let workgroup_size = context.pipelines().workgroup_size();
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("rubbed batch"),
             entries: &entries(),

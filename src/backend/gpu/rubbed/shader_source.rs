@@ -2,8 +2,7 @@
 //!
 //! Owns which pieces there are and in what order; knows nothing of devices.
 
-use std::fmt::Write as _;
-
+use super::super::shader_source::write_out;
 use super::layout;
 use crate::dynamics::adaptive::events::{CUT, FIRST_PART};
 use crate::dynamics::adaptive::kept::ROUGH;
@@ -23,6 +22,7 @@ macro_rules! pieces {
 }
 
 pieces! {
+    "shared/one_lane.wgsl"
     "shared/span.wgsl"
     "shared/rubbed_bindings.wgsl"
     "shared/heat_modes.wgsl"
@@ -48,37 +48,18 @@ pieces! {
 pub const ENTRY_POINT: &str = "advance_rubbed";
 
 /// Most modes over which loops are written out.
-const MOST_WRITTEN_OUT: usize = 33;
+const MOST_WRITTEN_OUT: u32 = 33;
 
 /// The pieces in one text, for `modes` heat modes and the lumped one: their number is the length of arrays in the shader,
 /// which no `override` constant can be.
 pub fn source(modes: u32) -> String {
-    let slots = layout::slots(modes);
+    let slots = layout::slots(modes) as u32;
     let header = format!("const HEAT_MODES: u32 = {slots}u;\n");
     let text = PIECES.iter().fold(header, |text, (_, piece)| text + piece + "\n");
     if slots > MOST_WRITTEN_OUT {
         return text;
     }
-    write_out(&text, slots)
-}
-
-/// Writes the loops over heat modes out: drivers do not do so themselves, and keep what is indexed by a variable in memory
-/// instead of registers.
-fn write_out(text: &str, slots: usize) -> String {
-    const LOOP: &str = "for (var m = 0u; m < HEAT_MODES; m++) {\n";
-    let mut out = String::new();
-    let mut rest = text;
-    while let Some((before, after)) = rest.split_once(LOOP) {
-        out += before;
-        let indentation = before.rsplit('\n').next().unwrap_or_default();
-        let end = format!("\n{indentation}}}\n");
-        let (body, after) = after.split_once(&end).expect("a loop has an end");
-        for m in 0..slots {
-            let _ = write!(out, "{{ const m = {m}u;\n{body}\n{indentation}}}\n{indentation}");
-        }
-        rest = after;
-    }
-    out + rest
+    write_out(&text, "m", "HEAT_MODES", slots)
 }
 
 /// Values of the shader's `override` constants, so that each is defined in one place.
