@@ -83,9 +83,7 @@ pub fn sizes() -> Result<Vec<Points>, BackendError> {
             let points = points(count);
             // the largest map once, smaller ones as often as it takes for a median
             let rounds = if count < 1_000_000 { ROUNDS } else { 1 };
-            // a few points are carried further: threads take a while to wake
-            let periods = (1_000_000 / count).clamp(8, 128) as u32;
-            let times: Result<Vec<f64>, BackendError> = (0..rounds).map(|_| time(&points, periods)).collect();
+            let times: Result<Vec<f64>, BackendError> = (0..rounds).map(|_| time(&points, 32)).collect();
             Ok(Points {
                 points: count,
                 ns_per_instance_period: median(times?),

@@ -99,10 +99,9 @@ impl<R: Real> Friction<R> {
     /// Index of the piece that v lies on, from the left: 0 below -eps0, 1 and 2 in the layer, 3 above eps0.
     #[inline(always)]
     pub fn piece_index(&self, v: R) -> R {
-        let at_least = |bound: f64, index: f64, below: R| {
-            R::select(v.less(R::splat(bound) * self.epsilon_0), below, R::splat(index))
-        };
-        at_least(1.0, 3.0, at_least(0.0, 2.0, at_least(-1.0, 1.0, R::splat(0.0))))
+        let left = R::select(v.less(-self.epsilon_0), R::splat(0.0), R::splat(1.0));
+        let right = R::select(v.less(self.epsilon_0), R::splat(2.0), R::splat(3.0));
+        R::select(v.less(R::splat(0.0)), left, right)
     }
 
     /// The piece of an index. `epsilon_0` is [`Friction::epsilon_0`], which the caller keeps.

@@ -93,8 +93,8 @@ impl Backend for CpuBackend {
     }
 
     fn batch_size(&self) -> usize {
-        // some seconds of work, in many more blocks than there are threads
-        2048 * rayon::current_num_threads()
+        // a second of work, in many more blocks than there are threads, which wait for each other after every slice of it
+        4096 * rayon::current_num_threads()
     }
 
     fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
