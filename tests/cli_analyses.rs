@@ -616,6 +616,7 @@ fn bench_tells_what_kernels_cost_and_how_exact_they_are() {
         &["bench", "--backend", "gpu", "--precision", "f64"],
         "a GPU has only f32",
     );
+    assert_refused(folder.path(), &["bench", "--tolerance", "1"], "tolerance");
 }
 
 #[test]

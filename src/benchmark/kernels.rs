@@ -15,7 +15,7 @@ use crate::experiment::{Precision, Scheme, Settings};
 use crate::parameters::ParameterSet;
 
 /// A scheme on a device.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Case {
     pub scheme: Scheme,
     /// None on a GPU.
@@ -23,6 +23,8 @@ pub struct Case {
     pub precision: Precision,
     /// Heat modes of the full model.
     pub modes: Option<u32>,
+    /// Of radau's steps.
+    pub tolerance: f64,
 }
 
 impl Case {
@@ -34,6 +36,7 @@ impl Case {
             instructions,
             precision,
             modes,
+            tolerance: Settings::default().tolerance,
         };
         [Scheme::Taylor, Scheme::Rk4]
             .map(|scheme| case(scheme, None))
@@ -47,6 +50,7 @@ impl Case {
         Settings {
             scheme: Some(self.scheme),
             modes: self.modes.unwrap_or(settings.modes),
+            tolerance: self.tolerance,
             precision: Some(self.precision),
             ..settings
         }
@@ -101,6 +105,8 @@ pub struct Kernel {
     /// Numbers in a vector register of the CPU.
     pub lanes: Option<usize>,
     pub modes: Option<u32>,
+    /// Of radau's steps.
+    pub tolerance: Option<f64>,
     /// Of as many periods with tangent vectors as without; on one core of the CPU, on the whole of a GPU.
     pub ns_per_instance_period: f64,
     pub ns_motion_alone: f64,
@@ -191,6 +197,7 @@ fn kernel(
         instructions: case.instructions.map(InstructionSet::name),
         lanes: case.instructions.map(|set| set.lanes(case.precision)),
         modes: case.modes,
+        tolerance: case.scheme.carries_heat().then_some(case.tolerance),
         ns_per_instance_period: cost.mean(),
         ns_motion_alone: cost.motion_alone,
         ns_with_vectors: cost.with_vectors,

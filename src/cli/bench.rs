@@ -26,11 +26,14 @@ pub struct BenchArgs {
     /// Only this number type [default: both]
     #[arg(long, value_name = "f32|f64", value_parser = request::named::<Precision>)]
     precision: Option<Precision>,
+    /// Error of a step of radau
+    #[arg(long, default_value_t = Settings::default().tolerance)]
+    tolerance: f64,
     /// Part of the name of the GPU adapter [default: the first, hardware before software]
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
     /// Time the default scheme on one thread to all, and on maps of 10^3 to 10^6 points, instead
-    #[arg(long, conflicts_with_all = ["backend", "scheme", "precision", "adapter"])]
+    #[arg(long, conflicts_with_all = ["backend", "scheme", "precision", "tolerance", "adapter"])]
     scaling: bool,
     /// Print one JSON object
     #[arg(long)]
@@ -72,6 +75,9 @@ impl BenchArgs {
             cases.extend(Case::all(None, Precision::F32, &GPU_MODES));
         }
         cases.retain(|case| self.wants(case));
+        for case in &mut cases {
+            case.tolerance = self.tolerance;
+        }
         cases
     }
 
@@ -92,6 +98,11 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
     if args.scaling {
         return scaling(args.json);
     }
+    let settings = Settings {
+        tolerance: args.tolerance,
+        ..Settings::default()
+    };
+    settings.check().map_err(|error| Failure::Input(error.into()))?;
     let mut gpu = args.gpu()?;
     let cases = args.cases(gpu.is_some());
     if cases.is_empty() {

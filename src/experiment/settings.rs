@@ -205,7 +205,11 @@ impl Settings {
         })
     }
 
-    pub(super) fn check(&self) -> Result<(), ExperimentError> {
+    /// Whether every setting lies in its range.
+    ///
+    /// # Errors
+    /// The first that does not.
+    pub fn check(&self) -> Result<(), ExperimentError> {
         let range = |name: &'static str, value: f64, min: f64, max: f64| {
             if (min..=max).contains(&value) {
                 Ok(())
