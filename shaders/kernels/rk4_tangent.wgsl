@@ -57,9 +57,7 @@ fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
             update(orbit.x_min, x_min, goes_on),
             update(orbit.x_max, x_max, goes_on),
         );
-        let ran_away = goes_on & has_run_away(orbit.x, orbit.y);
-        note_runaways(thread, ran_away, span.elapsed + n + 1u);
-        goes_on = goes_on & !ran_away;
+        goes_on = end_period(thread, goes_on, orbit, Mask(false), span.elapsed + n + 1u);
         if (!is_any(goes_on)) {
             break;
         }

@@ -25,11 +25,7 @@ fn advance_plain(@builtin(global_invocation_id) global: vec3<u32>) {
         }
         orbit.x = update(orbit.x, state.x, goes_on);
         orbit.y = update(orbit.y, state.w / unit, goes_on);
-        let ran_away = goes_on & has_run_away(orbit.x, orbit.y);
-        note_runaways(thread, ran_away, span.elapsed + n + 1u);
-        let given_up = goes_on & !ran_away & (state.left != Word(0u));
-        note_under_resolved(thread, given_up);
-        goes_on = goes_on & !ran_away & !given_up;
+        goes_on = end_period(thread, goes_on, orbit, state.left != Word(0u), span.elapsed + n + 1u);
         if (!is_any(goes_on)) {
             break;
         }

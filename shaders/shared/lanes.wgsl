@@ -148,21 +148,21 @@ fn store_sums(thread: u32, carried: Mask, sums: Sums) {
     }
 }
 
-// Notes the period, counted from 1, at whose end instances are found to have run away.
-fn note_runaways(thread: u32, ran_away: Mask, period: u32) {
+// Ends a period, counted from 1, of the lanes that went through it: notes which have run away, and which are given up
+// since the scheme left their period unfinished. Returns the lanes that go on.
+fn end_period(thread: u32, went_on: Mask, orbit: Orbits, unfinished: Mask, period: u32) -> Mask {
+    let ran_away = went_on & has_run_away(orbit.x, orbit.y);
+    let given_up = went_on & !ran_away & unfinished;
     for (var lane = 0u; lane < LANES; lane++) {
+        let instance = instance_at(thread, lane);
         if (is_at(ran_away, lane)) {
-            orbits[instance_at(thread, lane)].runaway_period = period;
+            orbits[instance].runaway_period = period;
         }
-    }
-}
-
-fn note_under_resolved(thread: u32, given_up: Mask) {
-    for (var lane = 0u; lane < LANES; lane++) {
         if (is_at(given_up, lane)) {
-            orbits[instance_at(thread, lane)].under_resolved = 1u;
+            orbits[instance].under_resolved = 1u;
         }
     }
+    return went_on & !ran_away & !given_up;
 }
 
 // Takes the stroboscopic states of the lanes that go on.

@@ -3,6 +3,22 @@
 //! Owns arithmetic, masks and the passage between lanes and f64; knows nothing of the model. The model's source is
 //! written once over [`Real`] and serves f64 (the reference), dual numbers (in tests), and lanes of f64 and f32.
 
+/// [`Real::Half`] and its passages of a number that is worked on as a whole.
+macro_rules! undivided {
+    () => {
+        type Half = Self;
+
+        #[inline(always)]
+        fn half(self, _: usize) -> Self {
+            self
+        }
+        #[inline(always)]
+        fn join([whole, _]: [Self; 2]) -> Self {
+            whole
+        }
+    };
+}
+
 mod pair;
 mod wide;
 #[cfg(all(target_arch = "x86_64", not(test)))]
@@ -150,8 +166,8 @@ macro_rules! scalar_real {
             type Mask = bool;
             type Ticks = u32;
             type Scalar = $scalar;
-            type Half = Self;
             const LANES: usize = 1;
+            undivided!();
 
             #[inline(always)]
             fn scalar(value: f64) -> $scalar {
@@ -209,14 +225,6 @@ macro_rules! scalar_real {
             #[inline(always)]
             fn from_ticks(ticks: u32) -> Self {
                 ticks as $scalar
-            }
-            #[inline(always)]
-            fn half(self, _: usize) -> Self {
-                self
-            }
-            #[inline(always)]
-            fn join([vector, _]: [Self; 2]) -> Self {
-                vector
             }
         }
     };

@@ -126,8 +126,8 @@ impl<R: Real, const K: usize> Real for Wide<R, K> {
     type Mask = [R::Mask; K];
     type Ticks = [R::Ticks; K];
     type Scalar = R::Scalar;
-    type Half = Self;
     const LANES: usize = R::LANES * K;
+    undivided!();
 
     #[inline(always)]
     fn scalar(value: f64) -> R::Scalar {
@@ -214,13 +214,5 @@ impl<R: Real, const K: usize> Real for Wide<R, K> {
             out.0[k] = R::from_ticks(ticks[k]);
         }
         out
-    }
-    #[inline(always)]
-    fn half(self, _: usize) -> Self {
-        self
-    }
-    #[inline(always)]
-    fn join([whole, _]: [Self; 2]) -> Self {
-        whole
     }
 }

@@ -118,9 +118,9 @@ macro_rules! x86_vector {
             type Mask = $mask;
             type Ticks = $ticks;
             type Scalar = $scalar;
-            type Half = Self;
             const LANES: usize = $lanes;
             const VECTORS: usize = 1;
+            undivided!();
 
             #[inline(always)]
             fn scalar(value: f64) -> $scalar {
@@ -194,14 +194,6 @@ macro_rules! x86_vector {
             fn from_ticks(ticks: $ticks) -> Self {
                 // SAFETY: the module's rule.
                 Self(unsafe { $from_ticks(ticks.0) })
-            }
-            #[inline(always)]
-            fn half(self, _: usize) -> Self {
-                self
-            }
-            #[inline(always)]
-            fn join([vector, _]: [Self; 2]) -> Self {
-                vector
             }
             #[inline(always)]
             fn tied(mut self, mut other: Self) -> (Self, Self) {
