@@ -5,6 +5,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::machine::Scale;
+pub use crate::model::motion::RUNAWAY_BOUND;
 
 /// How the integration of an instance ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,11 +22,11 @@ pub enum Status {
     UnderResolved,
 }
 
-/// Largest difference between the sum of the exponents and the mean divergence, relative to 1 + |divergence|.
+/// Largest difference between the sum of the exponents and the mean divergence, relative to that...
 pub const DEFECT_BOUND: f64 = 1e-2;
 
-/// A state with |x| + |y| at or above this has run away: bounded motion of the system is O(1).
-pub const RUNAWAY_BOUND: f64 = 1e4;
+/// ...or, where there is hardly any, per unit of tau: f32 leaves as much.
+pub const DEFECT_FLOOR: f64 = 1e-3;
 
 /// The kind of motion; [`Class::of`] defines it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -206,7 +207,7 @@ pub struct Measurement {
     /// Least number of forcing periods after which the motion repeats; None unless settled on a cycle that attracts
     /// strongly enough for the run to have reached it.
     pub period: Option<u32>,
-    /// Last stroboscopic state, at drive phase 0.
+    /// Last stroboscopic state, at drive phase 0; of an orbit that ran away, at constant pressure, the last one before.
     pub x: f64,
     pub y: f64,
     /// Extremes of x over the measured periods.

@@ -74,7 +74,7 @@ parameter_table! {
     F0       "f_0"       "F₀" 0.3, [0.0, 1000.0],     "(3.2)" "dry part of the kinetic friction";
     Alpha    "alpha"     "α"  0.3, [-1000.0, 1000.0], "(3.2)" "linear fall of the friction with sliding speed";
     Beta     "beta"      "β"  0.3, [-1000.0, 1000.0], "(3.2)" "cubic rise of the friction with sliding speed";
-    Epsilon0 "epsilon_0" "ε₀" 0.01, [1e-6, 10.0],      "(3.1)" "half-width of the regularised friction layer";
+    Epsilon0 "epsilon_0" "ε₀" 0.01, [1e-9, 10.0],      "(3.1)" "half-width of the regularised friction layer";
     Gamma    "gamma"    "γ" 0.0, [0.0, 1e6], "(2.6)" "frictional heating (1.87 for the paper's steel)";
     KW       "k_w"      "k_w" 0.0, [0.0, 1e6], "(2.3)" "wear coefficient";
     Biot     "biot"     "Bi" 10.0, [1e-4, 1e4], "(2.5)" "Biot number: cooling of the shaft at its surface";

@@ -10,6 +10,8 @@ struct Flow {
     zeta_k: Real,
     friction: Friction,
     epsilon_0: Real,
+    // Whether the layer is thin.
+    thin: Mask,
     longest: Real,
     longest_in_layer: Real,
 }
@@ -41,16 +43,21 @@ struct Rotated {
     cos_z: Real,
 }
 
-// Where v leaves a piece, and the change of the piece's index there.
+// Where a step is to end: the change of the piece's index there, the boundary that is met, and the part of the step on which
+// v comes from inside of it to outside.
 struct Leave {
-    s: Real,
+    at: Real,
     change: Real,
+    boundary: Real,
+    start: Real,
+    stop: Real,
 }
 
 fn flow_new(value: Values) -> Flow {
     let unit = value.unit_of_time;
     let linear = unit * unit;
-    let epsilon_0 = unit * value.epsilon_0;
+    let is_dry = Real(0.0) < value.epsilon * value.f_0;
+    let epsilon_0 = select(Real(NO_LAYER), unit * value.epsilon_0, is_dry);
     // F(v) as a function of U v
     let friction =
         friction_new(linear * value.epsilon, value.f_0, value.alpha / unit, value.beta / (linear * unit), epsilon_0);
@@ -62,6 +69,7 @@ fn flow_new(value: Values) -> Flow {
         unit * value.zeta_k,
         friction,
         epsilon_0,
+        is_dry & (value.epsilon_0 < Real(THIN)),
         value.step_size,
         // an absent layer limits nothing
         LAYER_STEP / max(friction.two_f_0_over_epsilon_0, Real(1e-9)),
@@ -92,9 +100,13 @@ fn taylor_step(flow: Flow, state: State) -> Step {
         v,
     ));
     let trial = trial_step(flow, piece, series, state.left);
-    let reached = leave(flow, piece, series, trial);
+    let leave = leave_piece(flow, piece, series, trial);
+    var at = leave.at;
+    if (is_any(flow.thin)) {
+        at = refined(flow, series, leave);
+    }
 
-    let ticks = min(Word(max(reached.s, Real(LEAST_STEP)) * TICKS_PER_UNIT), state.left);
+    let ticks = min(Word(max(at * TICKS_PER_UNIT, Real(LEAST_TICKS))), state.left);
     let s = Real(ticks) / TICKS_PER_UNIT;
     let drive = rotated(state.drive, state.drive_slope, s);
     // a series that overflows is no number even at its start
@@ -104,7 +116,7 @@ fn taylor_step(flow: Flow, state: State) -> Step {
         update(state.w, w_at(series, s), runs),
         drive.sin_z,
         drive.cos_z,
-        state.piece + reached.change,
+        state.piece + leave.change,
         state.left - ticks,
     );
     return Step(series, s, end);
@@ -128,30 +140,52 @@ fn trial_step(flow: Flow, piece: Piece, series: Series, ticks_left: Word) -> Rea
     return select(bound, min(bound, way / speed), speed > Real(1e-30));
 }
 
-// Where v leaves the piece on the way to the trial step's end, and the change of the piece's index there; the trial step
-// itself and 0 if it does not.
-fn leave(flow: Flow, piece: Piece, series: Series, trial: Real) -> Leave {
+// Where v leaves the piece on the way to the trial step's end; the trial step itself if it does not.
+fn leave_piece(flow: Flow, piece: Piece, series: Series, trial: Real) -> Leave {
     let margin = BEYOND * flow.epsilon_0;
     let lower = piece.lower - margin;
     let upper = piece.upper + margin;
     let middle = 0.5 * trial;
     let v_middle = v_at(series, middle);
     let v_end = v_at(series, trial);
-    let left_early = (v_middle < lower) | (upper < v_middle);
-    let left = left_early | (v_end < lower) | (upper < v_end);
+    var left_early = (v_middle < lower) | (upper < v_middle);
+    var left = left_early | (v_end < lower) | (upper < v_end);
 
-    let start = select(middle, Real(0.0), left_early);
-    let stop = select(trial, middle, left_early);
-    let v_start = select(v_middle, series.v_0, left_early);
-    let v_stop = select(v_end, v_middle, left_early);
+    let v_begin = series.v_0;
+    var start = select(middle, Real(0.0), left_early);
+    var stop = select(trial, middle, left_early);
+    var v_stop = select(v_end, v_middle, left_early);
+
+    let second = v_begin - 2.0 * v_middle + v_end;
+    if (is_any(flow.thin)) {
+        // v_begin + rise t + curve t^2, t = 0..1 over the trial step, may turn within it beyond a boundary
+        let curve = second + second;
+        let rise = v_end - v_begin - curve;
+        let bulge = select(upper, lower, Real(0.0) < curve);
+        let goes_on = (abs(curve) + abs(curve) < abs(rise)) | (Real(0.0) < rise * curve);
+        let room = fma(4.0 * curve, v_begin - bulge, Real(SMALLEST_SLOPE_SQUARE));
+        let stays = goes_on | (rise * rise < room) | left_early | !flow.thin;
+        if (is_any(!stays)) {
+            let turn = clamp(-(rise / select(curve + curve, Real(1.0), stays)) * trial, Real(0.0), trial);
+            let v_turn = v_at(series, turn);
+            let touches = !stays & !((lower < v_turn) & (v_turn < upper));
+            start = select(start, Real(0.0), touches);
+            stop = select(stop, turn, touches);
+            v_stop = select(v_stop, v_turn, touches);
+            left_early = left_early | touches;
+            left = left | touches;
+        }
+    }
+    let v_start = select(v_middle, v_begin, left_early);
+    let v_half_on = select(v_end, v_middle, left_early);
     let rises = piece.upper < v_stop;
     let boundary = select(piece.lower, piece.upper, rises);
     let change = select(Real(-1.0), Real(1.0), rises);
 
     // outward from the boundary, in parts of the half step: beyond + slope part + bend part^2, where it rises through 0
     let beyond = change * (v_start - boundary);
-    let bend = change * 0.5 * (series.v_0 - 2.0 * v_middle + v_end);
-    let slope = change * (v_stop - v_start) - bend;
+    let bend = change * 0.5 * second;
+    let slope = change * (v_half_on - v_start) - bend;
     let root = sqrt(max(fma(slope, slope, -(4.0 * bend * beyond)), Real(SMALLEST_SLOPE_SQUARE)));
     let goes_out = Real(0.0) < slope;
     let part = select(root - slope, -2.0 * beyond, goes_out) / select(2.0 * bend, slope + root, goes_out);
@@ -166,7 +200,44 @@ fn leave(flow: Flow, piece: Piece, series: Series, trial: Real) -> Leave {
     return Leave(
         select(trial, select(closer, newton, found), left),
         select(Real(0.0), change, left & found),
+        boundary,
+        start,
+        stop,
     );
+}
+
+// Where v meets the boundary of a thin layer: Newton's steps from the estimate, or halved brackets where these leave them.
+fn refined(flow: Flow, series: Series, leave: Leave) -> Real {
+    let leaves_thin = flow.thin & (Real(0.5) < abs(leave.change));
+    let tolerance = 0.1 * MISSED * flow.epsilon_0;
+    var low = leave.start;
+    var high = leave.stop;
+    var at = leave.at;
+    for (var n = 0u; n < REFINEMENTS; n++) {
+        // outward from the boundary
+        let beyond = leave.change * (v_at(series, at) - leave.boundary);
+        let is_met = (abs(beyond) < tolerance) | !leaves_thin;
+        if (!is_any(!is_met)) {
+            break;
+        }
+        let is_out = Real(0.0) < beyond;
+        high = select(high, at, is_out);
+        low = select(at, low, is_out);
+        let newton = at - beyond / select(leave.change * v_slope_at(series, at), Real(1.0), is_met);
+        let is_between = (low < newton) & (newton < high);
+        at = select(select(0.5 * (low + high), newton, is_between), at, is_met);
+    }
+    return at;
+}
+
+// Passes after which a thread gives up those of its instances that have not finished their period.
+fn most_passes(unit_of_time: Real) -> u32 {
+    let long = max(unit_of_time * LONG_PER_UNIT, Real(1.0));
+    var longest = 1.0;
+    for (var lane = 0u; lane < LANES; lane++) {
+        longest = max(longest, real_at(long, lane));
+    }
+    return u32(MAX_PASSES * longest);
 }
 
 // Where x turns within the step, or else x at its end.

@@ -13,6 +13,7 @@ fn advance_plain(@builtin(global_invocation_id) global: vec3<u32>) {
     var orbit = load_orbits(thread);
     var goes_on = carried;
     for (var n = 0u; n < span.periods; n++) {
+        let begun = Vector(orbit.x, orbit.y);
         var state = State(orbit.x, orbit.y);
         var start = shaft_speed(motion, Real(0.0));
         for (var step = 0u; step < run.steps_per_period; step++) {
@@ -24,7 +25,9 @@ fn advance_plain(@builtin(global_invocation_id) global: vec3<u32>) {
         }
         orbit.x = update(orbit.x, state.x, goes_on);
         orbit.y = update(orbit.y, state.y, goes_on);
-        goes_on = end_period(thread, goes_on, orbit, Mask(false), span.elapsed + n + 1u);
+        let went_on = goes_on;
+        goes_on = end_period(thread, went_on, orbit, Mask(false), span.elapsed + n + 1u);
+        orbit = before_escape(orbit, begun, went_on);
         if (!is_any(goes_on)) {
             break;
         }

@@ -51,13 +51,16 @@ fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
             both.second += renormalised.growth.second;
         }
         tangent = update_vector(tangent, bases.first, goes_on);
+        let begun = Vector(orbit.x, orbit.y);
         orbit = Orbits(
             update(orbit.x, state.x, goes_on),
             update(orbit.y, state.y, goes_on),
             update(orbit.x_min, x_min, goes_on),
             update(orbit.x_max, x_max, goes_on),
         );
-        goes_on = end_period(thread, goes_on, orbit, Mask(false), span.elapsed + n + 1u);
+        let went_on = goes_on;
+        goes_on = end_period(thread, went_on, orbit, Mask(false), span.elapsed + n + 1u);
+        orbit = before_escape(orbit, begun, went_on);
         if (!is_any(goes_on)) {
             break;
         }

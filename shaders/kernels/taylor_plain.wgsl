@@ -12,7 +12,9 @@ fn advance_plain(@builtin(global_invocation_id) global: vec3<u32>) {
     let unit = values.unit_of_time;
     var orbit = load_orbits(thread);
     var goes_on = carried;
+    let most = most_passes(unit);
     for (var n = 0u; n < span.periods; n++) {
+        let begun = Vector(orbit.x, orbit.y);
         var state = state_start(flow, orbit.x, orbit.y * unit, select(Word(0u), Word(TICKS_PER_PERIOD), goes_on));
         var taken = 0u;
         // a period begins with ticks to go: asked at a pass's end, threads that go in step do not wait for an idle one
@@ -20,12 +22,14 @@ fn advance_plain(@builtin(global_invocation_id) global: vec3<u32>) {
             state = taylor_step(flow, state).end;
             taken++;
             continuing {
-                break if !is_any(state.left != Word(0u)) || taken == MAX_PASSES;
+                break if !is_any(state.left != Word(0u)) || taken == most;
             }
         }
         orbit.x = update(orbit.x, state.x, goes_on);
         orbit.y = update(orbit.y, state.w / unit, goes_on);
-        goes_on = end_period(thread, goes_on, orbit, state.left != Word(0u), span.elapsed + n + 1u);
+        let went_on = goes_on;
+        goes_on = end_period(thread, went_on, orbit, state.left != Word(0u), span.elapsed + n + 1u);
+        orbit = before_escape(orbit, begun, went_on);
         if (!is_any(goes_on)) {
             break;
         }

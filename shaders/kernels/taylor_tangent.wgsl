@@ -16,6 +16,7 @@ fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
     var tangent = load_tangents(thread);
     var sums = load_sums(thread);
     var goes_on = carried;
+    let most = most_passes(unit);
     for (var n = 0u; n < span.periods; n++) {
         let index = span.first + n;
         if (span.measured != 0u && index == 0u) {
@@ -23,8 +24,9 @@ fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
             orbit.x_max = orbit.x;
         }
         var state = state_start(flow, orbit.x, orbit.y * unit, select(Word(0u), Word(TICKS_PER_PERIOD), goes_on));
-        var first = Vector(tangent.x, tangent.y * unit);
-        var area = area_new(first);
+        let begun = Vector(orbit.x, orbit.y);
+        var first = carried_new(Vector(tangent.x, tangent.y * unit));
+        var area = area_new(first.vector);
         var divergence = Real(0.0);
         var taken = 0u;
         // a period begins with ticks to go: asked at a pass's end, threads that go in step do not wait for an idle one
@@ -33,13 +35,21 @@ fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
             let runs = state.left != Word(0u);
             let step = taylor_step(flow, state);
             let turn = turning(step);
-            first = update_vector(first, vector_at(step.series, first, step.s), runs);
+            first.vector = update_vector(first.vector, vector_at(step.series, first.vector, step.s), runs);
             if (IS_CHECKED) {
                 area.second = update_vector(area.second, vector_at(step.series, area.second, step.s), runs);
-                if (taken % RENEWAL_STEPS == 0u) {
-                    let renewed = renew(area, first);
+            }
+            if (taken % RENEWAL_STEPS == 0u) {
+                let length = uncomfortable_length(first, runs);
+                if (IS_CHECKED) {
+                    let renewed = renew(area, first.vector, runs);
                     area.second = update_vector(area.second, renewed.second, runs);
                     area.product = update(area.product, renewed.product, runs);
+                    area.log_product = update(area.log_product, renewed.log_product, runs);
+                    area = stretched(area, length);
+                }
+                if (is_any(length != Real(1.0))) {
+                    first = divided(first, length);
                 }
             }
             divergence = update(divergence, divergence + divergence_to(step.series, step.s), runs);
@@ -47,23 +57,23 @@ fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
             orbit.x_max = max(orbit.x_max, max(turn, step.end.x));
             state = step.end;
             continuing {
-                break if !is_any(state.left != Word(0u)) || taken == MAX_PASSES;
+                break if !is_any(state.left != Word(0u)) || taken == most;
             }
         }
+        let closed = close(first, 1.0 / unit);
         var growth: Growth;
         if (IS_CHECKED) {
-            let closed = close(area, first, 1.0 / unit);
-            first = closed.vector;
-            growth = checked_growth(closed.growth, divergence);
+            let area_growth = close_area(area, first.vector);
+            growth = checked_growth(Growth(closed.growth, area_growth - closed.growth), divergence);
         } else {
-            let closed = close_first(first, 1.0 / unit);
-            first = closed.vector;
             growth = growth_of_first(closed.growth, divergence);
         }
-        tangent = update_vector(tangent, first, goes_on);
+        tangent = update_vector(tangent, closed.vector, goes_on);
         orbit.x = update(orbit.x, state.x, goes_on);
         orbit.y = update(orbit.y, state.w / unit, goes_on);
-        goes_on = end_period(thread, goes_on, orbit, state.left != Word(0u), span.elapsed + n + 1u);
+        let went_on = goes_on;
+        goes_on = end_period(thread, went_on, orbit, state.left != Word(0u), span.elapsed + n + 1u);
+        orbit = before_escape(orbit, begun, went_on);
         if (!is_any(goes_on)) {
             break;
         }

@@ -165,6 +165,12 @@ fn end_period(thread: u32, went_on: Mask, orbit: Orbits, unfinished: Mask, perio
     return went_on & !ran_away & !given_up;
 }
 
+// Orbits at a period's end; of those that ran away in it, among the lanes that went through it, as it began.
+fn before_escape(orbit: Orbits, begun: Vector, went_on: Mask) -> Orbits {
+    let escaped = went_on & has_run_away(orbit.x, orbit.y);
+    return Orbits(select(orbit.x, begun.x, escaped), select(orbit.y, begun.y, escaped), orbit.x_min, orbit.x_max);
+}
+
 // Takes the stroboscopic states of the lanes that go on.
 fn record_states(thread: u32, goes_on: Mask, recorded: u32, orbit: Orbits) {
     for (var lane = 0u; lane < LANES; lane++) {

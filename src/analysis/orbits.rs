@@ -66,7 +66,7 @@ pub fn stroboscopic_states(
 
 /// Whether an instance has neither run away nor been given up.
 pub fn is_bounded(end: &EndState) -> bool {
-    end.runaway_period.is_none() && !end.under_resolved
+    end.runaway_periods.is_none() && !end.under_resolved
 }
 
 #[cfg(test)]

@@ -6,8 +6,9 @@ use crate::dynamics::drive::DriveTable;
 use crate::dynamics::history::{History, history};
 use crate::dynamics::rk4::{self, StageSpeeds, StepSize};
 use crate::dynamics::taylor::series::UNITS_PER_PERIOD;
-use crate::dynamics::taylor::{self, COEFFICIENTS, Flow, MAX_PASSES, TICKS_PER_PERIOD};
+use crate::dynamics::taylor::{self, COEFFICIENTS, Flow};
 use crate::experiment::{Scheme, Settings};
+use crate::lanes::LONG_PERIOD_TICKS;
 use crate::measurement::{RUNAWAY_BOUND, Status};
 use crate::model::motion::Motion;
 use crate::parameters::{Parameter, ParameterSet};
@@ -190,18 +191,19 @@ impl Walker for FixedSteps {
 struct TaylorSteps {
     flow: Flow<f64>,
     unit: f64,
+    most_passes: u32,
     x: f64,
     y: f64,
 }
 
 impl TaylorSteps {
     fn new(parameters: &ParameterSet, steps_per_period: u32) -> Self {
-        let omega_0 = parameters[Parameter::Omega0];
-        let unit = taylor::unit_of_time(omega_0);
-        let longest = taylor::longest_step(omega_0, steps_per_period);
+        let unit = taylor::unit_of_time(parameters[Parameter::Omega0]);
+        let longest = taylor::longest_step(parameters, steps_per_period);
         Self {
             flow: Flow::new(|parameter| parameters[parameter], unit, longest),
             unit,
+            most_passes: taylor::most_passes(parameters.forcing_period()),
             x: parameters[Parameter::X0],
             y: parameters[Parameter::Y0],
         }
@@ -212,14 +214,14 @@ impl Walker for TaylorSteps {
     fn period(&mut self, points: u32, sample: &mut dyn FnMut(f64, [f64; 2])) -> bool {
         let whole = f64::from(UNITS_PER_PERIOD);
         let time = |point: u32| whole * f64::from(point) / f64::from(points);
-        let mut state = self.flow.start(self.x, self.y * self.unit, TICKS_PER_PERIOD);
+        let mut state = self.flow.start(self.x, self.y * self.unit, LONG_PERIOD_TICKS);
         let mut next = 0;
-        for _ in 0..MAX_PASSES {
-            if state.left == 0 {
+        for _ in 0..self.most_passes {
+            if state.left == 0.0 {
                 break;
             }
-            let begun = whole * (1.0 - f64::from(state.left) / f64::from(TICKS_PER_PERIOD));
-            let (step, end) = taylor::step::<f64, COEFFICIENTS>(&self.flow, &state);
+            let begun = whole * (1.0 - state.left / LONG_PERIOD_TICKS);
+            let (step, end) = taylor::step::<f64, COEFFICIENTS, true>(&self.flow, &state);
             while next < points && time(next) < begun + step.s {
                 let s = (time(next) - begun).max(0.0);
                 let [x, w] = [step.series.x_at(s), step.series.w_at(s)];
@@ -229,7 +231,7 @@ impl Walker for TaylorSteps {
             state = end;
         }
         (self.x, self.y) = (state.x, state.w / self.unit);
-        state.left == 0
+        state.left == 0.0
     }
 
     fn state(&self) -> [f64; 2] {

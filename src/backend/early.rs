@@ -145,7 +145,7 @@ impl Live {
             x_min: self.extremes[0],
             x_max: self.extremes[1],
             candidates: 0,
-            runaway_period: None,
+            runaway_periods: None,
             under_resolved: false,
             contact: Contact::CONSTANT,
         }

@@ -5,7 +5,7 @@
 use super::{EndState, Sums};
 use crate::dynamics::{statistics, stroboscope};
 use crate::experiment::Settings;
-use crate::measurement::{BackendKind, CONSTANT_GROWTH, Class, Cycle, DEFECT_BOUND, Measurement, Status};
+use crate::measurement::{BackendKind, CONSTANT_GROWTH, Class, Cycle, DEFECT_BOUND, DEFECT_FLOOR, Measurement, Status};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// One instance's growth over the whole measurement, in f64.
@@ -31,8 +31,12 @@ pub(super) struct Ended<'a> {
 
 /// The measurement of an orbit that ran away; None of another.
 pub(super) fn runaway(parameters: &ParameterSet, end: &EndState, backend: BackendKind) -> Option<Measurement> {
-    let time = f64::from(end.runaway_period?) * parameters.forcing_period();
-    Some(Measurement::runaway(time, backend))
+    let time = end.runaway_periods? * parameters.forcing_period();
+    Some(Measurement {
+        x: end.x,
+        y: end.y,
+        ..Measurement::runaway(time, backend)
+    })
 }
 
 impl Growth {
@@ -76,7 +80,7 @@ impl Growth {
         if let Some(runaway) = runaway(parameters, state, backend) {
             return runaway;
         }
-        if settings.scheme().carries_heat() {
+        if self.total.divergence.is_nan() {
             return self.rubbed_measurement(ended);
         }
         let period_time = parameters.forcing_period();
@@ -176,7 +180,7 @@ impl Growth {
 
 /// Whether the sum of the exponents is the mean divergence; written so that NaN fails.
 pub(super) fn is_resolved(measurement: &Measurement) -> bool {
-    measurement.divergence_defect().abs() <= DEFECT_BOUND * (1.0 + measurement.divergence.abs())
+    measurement.divergence_defect().abs() <= DEFECT_BOUND * measurement.divergence.abs() + DEFECT_FLOOR
 }
 
 /// The measurement of a lasting motion, or that of an under-resolved one if it is not resolved, or if a number of it is none.

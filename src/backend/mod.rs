@@ -6,6 +6,7 @@ pub mod cpu;
 mod cycle;
 mod early;
 mod evaluation;
+mod fallback;
 pub mod gpu;
 mod run;
 pub mod twins;
@@ -52,16 +53,19 @@ pub struct Sums {
 /// What is left of an instance at the end of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct EndState {
+    /// The last stroboscopic state; of an instance that ran away the one before it did.
     pub x: f64,
     pub y: f64,
-    /// The first tangent vector (X, Y), of length 1. NaN with heat or wear, whose tangent space has more dimensions.
+    /// The first tangent vector (X, Y), of length 1; with heat or wear its tangent space has more dimensions, and the rest
+    /// is not here.
     pub tangent: [f64; 2],
     pub x_min: f64,
     pub x_max: f64,
     /// Candidates for the period; see [`period`](crate::dynamics::stroboscope::period).
     pub candidates: u32,
-    /// The forcing period of the run, counted from 1, at whose end the instance was first found to have run away.
-    pub runaway_period: Option<u32>,
+    /// When the instance ran away, in forcing periods since the start of the run: the end of the period in which it did,
+    /// unless the scheme knows better.
+    pub runaway_periods: Option<f64>,
     /// Whether the scheme gave the instance up: its motion needed more, or shorter, steps than there may be.
     pub under_resolved: bool,
     pub contact: Contact,

@@ -7,10 +7,10 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 
 use super::evaluation::{Ended, Growth};
-use super::{Backend, BackendError, Slice, Stage, early};
+use super::{Backend, BackendError, Slice, Stage, early, fallback};
 use crate::dynamics::statistics;
-use crate::experiment::Settings;
-use crate::measurement::Measurement;
+use crate::experiment::{Scheme, Settings};
+use crate::measurement::{BackendKind, Measurement};
 use crate::parameters::ParameterSet;
 
 /// Longest slice, so that progress shows and a run can be cancelled.
@@ -33,8 +33,14 @@ pub fn measure_batch(
     let settings = settings
         .for_model(instances.iter().any(ParameterSet::is_rubbed))
         .map_err(|error| BackendError::Unsupported(error.to_string()))?;
-    let (wearing, lasting): (Vec<usize>, Vec<usize>) =
-        (0..instances.len()).partition(|&index| instances[index].wears());
+    let with = |wanted: &dyn Fn(&ParameterSet) -> bool| -> Vec<usize> {
+        (0..instances.len())
+            .filter(|&index| wanted(&instances[index]))
+            .collect()
+    };
+    let constant = with(&|set| !set.is_rubbed());
+    let heated = with(&|set| set.is_rubbed() && !set.wears());
+    let wearing = with(&ParameterSet::wears);
     let mut measured = vec![None; instances.len()];
     let whole_run = u64::from(settings.transient_periods) + u64::from(settings.periods);
     let from_the_start = Settings {
@@ -43,19 +49,20 @@ pub fn measure_batch(
         ..settings.clone()
     };
     for (indices, settings, share) in [
-        (lasting, &settings, whole_run),
+        (constant, &settings, whole_run),
+        (heated, &settings, whole_run),
         (wearing, &from_the_start, u64::from(settings.periods)),
     ] {
         if indices.is_empty() {
             continue;
         }
         let instances: Vec<_> = indices.iter().map(|&index| instances[index]).collect();
-        // both kinds count as a whole run, which is what was announced
+        // all kinds count as a whole run, which is what was announced
         let progress = &mut |instance_periods: u64| progress(instance_periods * whole_run / share);
-        let batch = if settings.decides_early() {
-            early::measure(backend, settings, &instances, progress)?
-        } else {
+        let batch = if instances[0].is_rubbed() {
             measure_alike(backend, settings, &instances, Start::default(), progress)?
+        } else {
+            measure_constant(backend, settings, &instances, progress)?
         };
         let Some(batch) = batch else {
             return Ok(None);
@@ -65,6 +72,36 @@ pub fn measure_batch(
         }
     }
     Ok(measured.into_iter().collect())
+}
+
+/// Measures instances of constant contact pressure; what the scheme could not finish is completed.
+fn measure_constant(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    instances: &[ParameterSet],
+    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Result<Option<Vec<Measurement>>, BackendError> {
+    let Some(mut measured) = measure_lasting(backend, settings, instances, progress)? else {
+        return Ok(None);
+    };
+    let completed = fallback::complete(settings, instances, &mut measured, progress)?;
+    Ok(completed.map(|()| measured))
+}
+
+/// Measures instances of constant contact pressure by one scheme, early if that was asked for.
+pub(super) fn measure_lasting(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    instances: &[ParameterSet],
+    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Result<Option<Vec<Measurement>>, BackendError> {
+    // the GPU's kernel of radau does not sum up the divergence
+    let sums_all = settings.scheme() != Scheme::Radau || backend.kind() != BackendKind::GpuF32;
+    if settings.decide_early && sums_all {
+        early::measure(backend, settings, instances, progress)
+    } else {
+        measure_alike(backend, settings, instances, Start::default(), progress)
+    }
 }
 
 /// Where a run begins that goes on from an earlier one; by default, there is none.

@@ -13,7 +13,7 @@ pub mod orbit;
 pub mod pass;
 pub mod tangent;
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 pub use self::kept::Peaks;
 pub use self::orbit::{Orbit, Scratch};
@@ -22,9 +22,6 @@ use crate::experiment::Settings;
 use crate::lanes::Real;
 use crate::model::rubbing::{HeatModes, Rubbing};
 use crate::parameters::Parameter;
-
-/// Ticks of the clock in a forcing period.
-pub const TICKS: u32 = 1 << 28;
 
 /// A contact whose thermal pressure reaches this has run away: expansion feeds the friction that heats.
 pub const PRESSURE_BOUND: f64 = 1e9;
@@ -43,7 +40,7 @@ pub struct Control<R> {
     /// How near to a boundary of the friction layer a step must end, in half-widths of the layer. On the wrong piece of
     /// the law for so long, friction errs by the square of it, a tenth of the tolerance.
     pub reach: R,
-    /// Longest step, in ticks: a sixteenth of a period at most, which f32 holds exactly.
+    /// Most of a period that a step may take: a sixteenth at most, for which the drive's series is made.
     pub longest: R,
 }
 
@@ -53,7 +50,7 @@ impl<R: Real> Control<R> {
             tolerance: R::splat(settings.tolerance),
             newton: R::splat((0.01 * settings.tolerance).sqrt()),
             reach: R::splat((0.1 * settings.tolerance).sqrt().max(LEAST_REACH)),
-            longest: R::splat((f64::from(TICKS) / f64::from(settings.steps_per_period())).floor()),
+            longest: R::splat(1.0 / f64::from(settings.steps_per_period())),
         }
     }
 }
@@ -65,6 +62,11 @@ pub struct System<R> {
     /// Forcing period in units of tau, and ticks to tau.
     period: R,
     tick: R,
+    /// The period over pi, the paper's, where it is longer, else 1: by so much more steps it is divided into. A step that
+    /// the motion's error allows may be too long for the tangent, which swings in the wells where the motion rests.
+    long: R,
+    /// 1 in lanes in which there is heat or wear, else 0: there the pressure is constant.
+    pub is_rubbed: R,
     rates: Vec<R>,
     inverse_rates: Vec<R>,
     weights: Vec<R>,
@@ -87,7 +89,13 @@ impl<R: Real> System<R> {
             lasts: R::select(R::splat(0.0).less(rubbing.k_w), R::splat(0.0), R::splat(1.0)),
             rubbing,
             period,
-            tick: period * R::splat(1.0 / f64::from(TICKS)),
+            tick: period * R::splat(1.0 / R::PERIOD_TICKS),
+            long: (period * R::splat(1.0 / PI)).max(R::splat(1.0)),
+            is_rubbed: R::select(
+                R::splat(0.0).less(rubbing.k_w + rubbing.two_gamma),
+                R::splat(1.0),
+                R::splat(0.0),
+            ),
             rates: (0..count).map(|m| each(&|modes| modes.rates[m])).collect(),
             inverse_rates: (0..count).map(|m| each(&|modes| 1.0 / modes.rates[m])).collect(),
             weights: (0..count).map(|m| each(&|modes| modes.weights[m])).collect(),

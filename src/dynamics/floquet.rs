@@ -23,30 +23,41 @@ pub struct Turn {
 pub struct Multipliers {
     /// ln of the square root of the determinant, which is positive for a flow.
     half_log_determinant: f64,
-    /// The trace over twice the square root of the determinant: real multipliers where it is at least 1 in magnitude.
-    scaled_trace: f64,
+    /// Half of the trace over the square root of the determinant is this times the exponential of `log_scale`.
+    half_trace: f64,
+    log_scale: f64,
 }
+
+/// Above this logarithm cosh is half of exp, to rounding.
+const LARGE: f64 = 20.0;
 
 impl Multipliers {
     /// Of a cycle that has turned twice, the second turn beginning where the first ends.
     pub fn new(first: &Turn, second: &Turn) -> Self {
         let half = 0.25 * (first.growth.iter().sum::<f64>() + second.growth.iter().sum::<f64>());
         let [v0, v1, v2] = [first.from, first.to, second.to];
-        // the component of v2 = (trace) v1 - (determinant) v0 along v1, over the length of v1
-        let trace = (second.growth[0] - half).exp() * dot(v2, v1) + (half - first.growth[0]).exp() * dot(v0, v1);
+        // the component of v2 = (trace) v1 - (determinant) v0 along v1, over the length of v1; its greatest factor is kept as a
+        // logarithm, for over long turns it overflows
+        let logs = [second.growth[0] - half, half - first.growth[0]];
+        let greatest = logs[0].max(logs[1]);
+        let trace = (logs[0] - greatest).exp() * dot(v2, v1) + (logs[1] - greatest).exp() * dot(v0, v1);
         Self {
             half_log_determinant: half,
-            scaled_trace: 0.5 * trace,
+            half_trace: 0.5 * trace,
+            log_scale: greatest,
         }
     }
 
     /// ln |mu_1| and ln |mu_2|; over the length of a turn they are the exponents.
     pub fn log_moduli(&self) -> [f64; 2] {
-        // NaN stays
-        let spread = if self.scaled_trace.abs() < 1.0 {
+        // the cosine of an angle where it is below 1, and else a hyperbolic one; NaN stays
+        let log = self.half_trace.abs().ln() + self.log_scale;
+        let spread = if log > LARGE {
+            log + std::f64::consts::LN_2
+        } else if log < 0.0 {
             0.0
         } else {
-            self.scaled_trace.abs().acosh()
+            log.exp().acosh()
         };
         [self.half_log_determinant + spread, self.half_log_determinant - spread]
     }
@@ -55,7 +66,7 @@ impl Multipliers {
     pub fn distance_from_one(&self) -> f64 {
         let modulus = self.log_moduli()[0].exp();
         // the cosine of mu_1's angle: 1 or -1 for real multipliers
-        let cosine = self.scaled_trace.clamp(-1.0, 1.0);
+        let cosine = (self.half_trace * self.log_scale.min(LARGE).exp()).clamp(-1.0, 1.0);
         (1.0 - 2.0 * modulus * cosine + modulus * modulus).max(0.0).sqrt()
     }
 }

@@ -360,7 +360,7 @@ pub fn solve<R: Real>(
         correction = apply(&trial.newton, residual);
         v = at_nodes!(i => v[i] - correction[i]);
         let [first, second, last] = at_nodes!(i => {
-            let scale = v[i].abs().max(rubbing.epsilon_0);
+            let scale = v[i].abs().max(rubbing.layer);
             correction[i].abs().less(closeness * scale)
         });
         trial.converged = first.and(second).and(last);
@@ -409,6 +409,12 @@ impl<R: Real> Trial<R> {
             falloff[i] = rubbing.two_gamma.mul_add(self.flux[i], -(slope * inverse_h));
         }
         falloff
+    }
+
+    /// The divergence of the flow of (x, y) at the nodes, at constant pressure: -eps p F'(v) - eps h1.
+    #[inline(always)]
+    pub fn divergence(&self, rubbing: &Rubbing<R>) -> Vector<R> {
+        at_nodes!(i => -(rubbing.epsilon * self.pressure[i]).mul_add(self.slope[i], rubbing.damping))
     }
 
     /// Pressure lost by wear over the step.

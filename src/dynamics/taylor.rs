@@ -16,9 +16,10 @@ pub mod wgsl;
 use std::f64::consts::{PI, TAU};
 
 use self::series::{Local, Series, UNITS_PER_PERIOD};
+use crate::dynamics::decay::single;
 use crate::lanes::{Mask, Real, Ticks};
-use crate::model::friction::{Friction, Piece};
-use crate::parameters::Parameter;
+use crate::model::friction::{Friction, Piece, thinnest_layer};
+use crate::parameters::{Parameter, ParameterSet};
 
 /// Order of the scheme.
 pub const ORDER: usize = 8;
@@ -26,16 +27,16 @@ pub const ORDER: usize = 8;
 /// Number of coefficients of a series.
 pub const COEFFICIENTS: usize = ORDER + 1;
 
-/// Ticks in a unit of time, exact in f32.
-pub const TICKS_PER_UNIT: u32 = 1 << 23;
+/// Ticks in a unit of time.
+pub const fn ticks_per_unit<R: Real>() -> f64 {
+    R::PERIOD_TICKS / UNITS_PER_PERIOD as f64
+}
 
-/// Ticks in a forcing period.
-pub const TICKS_PER_PERIOD: u32 = TICKS_PER_UNIT * UNITS_PER_PERIOD;
+/// Least step, in ticks: what a start on the wrong side of a boundary moves on by.
+pub const LEAST_TICKS: f64 = 16.0;
 
-/// Least step, in units of time: what a start on the wrong side of a boundary moves on by.
-pub const LEAST_STEP: f64 = 1.0 / 131_072.0;
-
-/// Steps after which a lane that has not finished a period is given up as under-resolved.
+/// Steps after which a lane that has not finished a period is given up as under-resolved, where the period is no longer
+/// than the paper's, pi; a longer one has as many more.
 pub const MAX_PASSES: u32 = 4096;
 
 /// In the layer a step reaches at most this far beyond the boundary ahead, by the slope of v: a polynomial taken much
@@ -47,10 +48,31 @@ pub const REACH: f64 = 1.1;
 pub const LAYER_STEP: f64 = 0.35;
 
 /// Outside, a step is at most this over the rates met at its start.
-pub const FREE_STEP: f64 = 2.0;
+pub const FREE_STEP: f64 = 1.2;
+
+/// At most this over the rate of the linear damping is a step long, at the usual number of steps: with it the fast one of two
+/// exponents is as good as the slow one.
+pub const DAMPING_STEP: f64 = 0.6;
+
+/// Steps a period that the bounds above belong to; with more of them [`DAMPING_STEP`] falls alike.
+const USUAL_STEPS: f64 = 28.0;
+
+/// Stands for the half-width of a layer that is not there, since there is no dry friction: -eps0 lies above all speeds and eps0
+/// below, so that v is on one of the outer pieces, and reaches no boundary.
+pub const NO_LAYER: f64 = -1e30;
 
 /// v is beyond a boundary where it exceeds it by more than this, in units of eps0; rounding does not count as that.
 pub const BEYOND: f64 = 2e-4;
+
+/// A layer of less half-width than this is thin: v may go in, turn, and come out between the points of a step that are looked
+/// at, and one step of Newton's may miss a boundary by more than the layer's width. In thicker ones friction hardly feels that.
+pub const THIN: f64 = 5e-3;
+
+/// The boundary of a thin layer is met again where one step of Newton's misses it by more than this, in units of eps0...
+pub const MISSED: f64 = 1e-2;
+
+/// ...in at most so many further steps.
+pub const REFINEMENTS: u32 = 60;
 
 /// A half step that starts within this part of itself of the boundary, or beyond it, may end where it starts.
 pub const ON_BOUNDARY: f64 = 1e-2;
@@ -74,6 +96,9 @@ pub struct Flow<R> {
     epsilon_0: R,
     longest: R,
     longest_in_layer: R,
+    /// 1 in lanes whose layer is [`THIN`], and whether there are any.
+    thin: R,
+    pub any_thin: bool,
 }
 
 /// Unit of time of an instance, in units of tau.
@@ -81,10 +106,31 @@ pub fn unit_of_time(omega_0: f64) -> f64 {
     TAU / (omega_0 * f64::from(UNITS_PER_PERIOD))
 }
 
-/// Longest step in units of time: so many a forcing period, or so many in pi where the period is longer than that. The
-/// paper's forcing period is pi.
-pub fn longest_step(omega_0: f64, steps_per_period: u32) -> f64 {
-    f64::from(UNITS_PER_PERIOD) / f64::from(steps_per_period) * (PI * omega_0 / TAU).min(1.0)
+/// Longest step in units of time: so many a forcing period, or so many in pi, the paper's forcing period, where the period
+/// is longer than that; and [`DAMPING_STEP`] over the rate of the linear damping.
+pub fn longest_step(parameters: &ParameterSet, steps_per_period: u32) -> f64 {
+    use Parameter::{Alpha, Epsilon, H1, Omega0};
+    let damping = parameters[Epsilon] * parameters[H1].abs().max(parameters[Alpha].abs());
+    let steps = f64::from(steps_per_period);
+    let tau = (parameters.forcing_period().min(PI) / steps).min(DAMPING_STEP * USUAL_STEPS / steps / damping);
+    tau / unit_of_time(parameters[Omega0])
+}
+
+/// Whether the number type resolves the friction layer at the shaft's greatest speed, if there is a layer.
+pub fn is_layer_resolved<R: Real>(parameters: &ParameterSet) -> bool {
+    use Parameter::{Epsilon, Epsilon0, F0, OmegaK, ZetaK};
+    let spacing = if single::<R>() {
+        f32::EPSILON.into()
+    } else {
+        f64::EPSILON
+    };
+    let speed = parameters[OmegaK].abs() + parameters[ZetaK];
+    parameters[Epsilon] * parameters[F0] == 0.0 || parameters[Epsilon0] > thinnest_layer(spacing, speed)
+}
+
+/// Passes after which a lane that has not finished a period is given up.
+pub fn most_passes(forcing_period: f64) -> u32 {
+    (f64::from(MAX_PASSES) * (forcing_period / PI).max(1.0)) as u32
 }
 
 impl<R: Real> Flow<R> {
@@ -93,7 +139,13 @@ impl<R: Real> Flow<R> {
         use Parameter::{Alpha, B, Beta, Epsilon, Epsilon0, F0, H1, OmegaK, ZetaK};
         let linear = unit * unit;
         let epsilon = value(Epsilon);
-        let epsilon_0 = unit * value(Epsilon0);
+        let is_dry = R::splat(0.0).less(epsilon * value(F0));
+        let epsilon_0 = R::select(is_dry, unit * value(Epsilon0), R::splat(NO_LAYER));
+        let thin = R::select(
+            is_dry.and(value(Epsilon0).less(R::splat(THIN))),
+            R::splat(1.0),
+            R::splat(0.0),
+        );
         // F(v) as a function of U v
         let friction = Friction::new(
             linear * epsilon,
@@ -110,6 +162,8 @@ impl<R: Real> Flow<R> {
             zeta_k: unit * value(ZetaK),
             friction,
             epsilon_0,
+            thin,
+            any_thin: !thin.less(R::splat(0.5)).all(),
             longest,
             // an absent layer limits nothing
             longest_in_layer: R::splat(LAYER_STEP) / friction.layer_rate().max(R::splat(1e-9)),
@@ -152,9 +206,10 @@ pub struct Step<R, const L: usize> {
     pub s: R,
 }
 
-/// Takes a step: to the boundary of the piece, or as far as it may reach. A lane whose period is over stays as it is.
+/// Takes a step: to the boundary of the piece, or as far as it may reach. A lane whose period is over stays as it is. `THIN` if
+/// some lanes have [`THIN`] layers.
 #[inline(always)]
-pub fn step<R: Real, const L: usize>(flow: &Flow<R>, state: &State<R>) -> (Step<R, L>, State<R>) {
+pub fn step<R: Real, const L: usize, const THIN: bool>(flow: &Flow<R>, state: &State<R>) -> (Step<R, L>, State<R>) {
     let piece = flow.friction.piece(state.piece, flow.epsilon_0);
     let v = flow.omega_k + state.drive - state.w;
     let series = Series::of(&Local {
@@ -172,11 +227,19 @@ pub fn step<R: Real, const L: usize>(flow: &Flow<R>, state: &State<R>) -> (Step<
         v,
     });
     let trial = trial_step(flow, &piece, &series, state.left);
-    let (reached, change) = leave(flow, &piece, &series, trial);
+    let leave = leave::<R, L, THIN>(flow, &piece, &series, trial);
+    let at = if THIN { refined(flow, &series, &leave) } else { leave.at };
+    end(state, &series, at, leave.change)
+}
 
-    let ticks = (reached.max(R::splat(LEAST_STEP)) * R::splat(f64::from(TICKS_PER_UNIT))).to_ticks();
+/// A step of about `s`, in whole ticks, and the state that it ends in, on a piece `change` further.
+#[inline(always)]
+fn end<R: Real, const L: usize>(state: &State<R>, series: &Series<R, L>, s: R, change: R) -> (Step<R, L>, State<R>) {
+    let ticks = (s * R::splat(ticks_per_unit::<R>()))
+        .max(R::splat(LEAST_TICKS))
+        .to_ticks();
     let ticks = ticks.least(state.left);
-    let s = (R::from_ticks(ticks) * R::splat(1.0 / f64::from(TICKS_PER_UNIT))).in_step();
+    let s = (R::from_ticks(ticks) * R::splat(1.0 / ticks_per_unit::<R>())).in_step();
     let (drive, drive_slope) = series::rotated(state.drive, state.drive_slope, s);
     let next = State {
         x: series.x_at(s),
@@ -186,13 +249,14 @@ pub fn step<R: Real, const L: usize>(flow: &Flow<R>, state: &State<R>) -> (Step<
         piece: state.piece + change,
         left: state.left.minus(ticks),
     };
+    let series = *series;
     (Step { series, s }, next)
 }
 
 /// As far as the series may be followed. Bounds that are no numbers bound nothing.
 #[inline(always)]
 fn trial_step<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series: &Series<R, L>, left: R::Ticks) -> R {
-    let left = R::from_ticks(left) * R::splat(1.0 / f64::from(TICKS_PER_UNIT));
+    let left = R::from_ticks(left) * R::splat(1.0 / ticks_per_unit::<R>());
     let longest = flow.longest.min(left);
     let (v, slope) = (series.v[0], series.v[1]);
     let falls = slope.less(R::splat(0.0));
@@ -207,35 +271,76 @@ fn trial_step<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series:
     (way / speed).min(longest)
 }
 
-/// Where v leaves the piece on the way to the trial step's end, and the change of the piece's index there; the trial
-/// step itself and 0 if it does not.
+/// Where a step is to end.
+#[derive(Clone, Copy, Debug)]
+struct Leave<R: Real> {
+    at: R,
+    /// The change of the piece's index there; 0 where the step stays on its piece.
+    change: R,
+    /// The boundary that is met, and the part of the step on which v comes from inside of it to outside.
+    boundary: R,
+    from: R,
+    to: R,
+}
+
+/// Where v leaves the piece on the way to the trial step's end; the trial step itself if it does not.
 ///
-/// v is looked at halfway and at the end. In the half step before the first of the two that lies outside, the
-/// parabola through the three values and one step of Newton's lead to the boundary: to where v comes out, also where it
-/// begins on the boundary, goes in, and turns.
+/// v is looked at halfway and at the end, and where the parabola through the three values turns beyond a boundary. In the
+/// half step before the first of these that lies outside, that parabola and one step of Newton's lead to the boundary: to
+/// where v comes out, also where it begins on the boundary, goes in, and turns.
 #[inline(always)]
-fn leave<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series: &Series<R, L>, trial: R) -> (R, R) {
+fn leave<R: Real, const L: usize, const THIN: bool>(
+    flow: &Flow<R>,
+    piece: &Piece<R>,
+    series: &Series<R, L>,
+    trial: R,
+) -> Leave<R> {
     let zero = R::splat(0.0);
     let margin = R::splat(BEYOND) * flow.epsilon_0;
     let (lower, upper) = (piece.lower - margin, piece.upper + margin);
     let middle = R::splat(0.5) * trial;
     // the search is one long chain of operations, which is why vectors go through it in step
     let (v_middle, v_end) = (series.v_at(middle), series.v_at(trial).in_step());
-    let left_early = v_middle.less(lower).or(upper.less(v_middle));
-    let left = left_early.or(v_end.less(lower)).or(upper.less(v_end));
+    let mut left_early = v_middle.less(lower).or(upper.less(v_middle));
+    let mut left = left_early.or(v_end.less(lower)).or(upper.less(v_end));
 
-    let from = R::select(left_early, zero, middle);
-    let to = R::select(left_early, middle, trial);
-    let v_from = R::select(left_early, series.v[0], v_middle);
-    let v_to = R::select(left_early, v_middle, v_end);
+    let v_start = series.v[0];
+    let mut from = R::select(left_early, zero, middle);
+    let mut to = R::select(left_early, middle, trial);
+    let mut v_to = R::select(left_early, v_middle, v_end);
+
+    let second = v_start - R::splat(2.0) * v_middle + v_end;
+    if THIN {
+        // v_start + rise t + curve t^2, t = 0..1 over the trial step, may turn within it beyond a boundary
+        let curve = second + second;
+        let rise = v_end - v_start - curve;
+        let bulge = R::select(zero.less(curve), lower, upper);
+        let goes_on = (curve.abs() + curve.abs()).less(rise.abs()).or(zero.less(rise * curve));
+        let room = (R::splat(4.0) * curve).mul_add(v_start - bulge, R::splat(SMALLEST_SLOPE_SQUARE));
+        let stays = goes_on.or((rise * rise).less(room)).or(left_early);
+        let stays = stays.or(flow.thin.less(R::splat(0.5)));
+        if !stays.all() {
+            let turn = (-(rise / (curve + curve)) * trial).max(zero).min(trial);
+            let v_turn = series.v_at(turn);
+            let inside = lower.less(v_turn).and(v_turn.less(upper));
+            let touches = R::splat(0.5).less(R::select(stays.or(inside), zero, R::splat(1.0)));
+            from = R::select(touches, zero, from);
+            to = R::select(touches, turn, to);
+            v_to = R::select(touches, v_turn, v_to);
+            left_early = left_early.or(touches);
+            left = left.or(touches);
+        }
+    }
+    let v_from = R::select(left_early, v_start, v_middle);
+    let v_half_on = R::select(left_early, v_middle, v_end);
     let rises = piece.upper.less(v_to);
     let boundary = R::select(rises, piece.upper, piece.lower);
     let change = R::select(rises, R::splat(1.0), R::splat(-1.0));
 
     // outward from the boundary, in parts of the half step: beyond + slope part + bend part^2, where it rises through 0
     let beyond = change * (v_from - boundary);
-    let bend = change * R::splat(0.5) * (series.v[0] - R::splat(2.0) * v_middle + v_end);
-    let slope = change * (v_to - v_from) - bend;
+    let bend = change * R::splat(0.5) * second;
+    let slope = change * (v_half_on - v_from) - bend;
     let square = slope.mul_add(slope, -(R::splat(4.0) * bend * beyond));
     let root = square.max(R::splat(SMALLEST_SLOPE_SQUARE)).sqrt();
     let goes_out = zero.less(slope);
@@ -251,10 +356,38 @@ fn leave<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series: &Ser
     let found = from.less(newton).or(part.less(R::splat(ON_BOUNDARY)));
     let closer = (R::splat(0.5) * part).mul_add(middle, from);
     let leaves = left.and(found);
-    (
-        R::select(left, R::select(found, newton, closer), trial),
-        R::select(leaves, change, zero),
-    )
+    Leave {
+        at: R::select(left, R::select(found, newton, closer), trial),
+        change: R::select(leaves, change, zero),
+        boundary,
+        from,
+        to,
+    }
+}
+
+/// Where v meets the boundary, to [`MISSED`]: Newton's steps from the estimate, or halved brackets where these leave them.
+#[inline(always)]
+fn refined<R: Real, const L: usize>(flow: &Flow<R>, series: &Series<R, L>, leave: &Leave<R>) -> R {
+    let zero = R::splat(0.0);
+    let tolerance = R::splat(0.1 * MISSED) * flow.epsilon_0;
+    let (mut low, mut high, mut at) = (leave.from, leave.to, leave.at);
+    for _ in 0..REFINEMENTS {
+        // outward from the boundary
+        let beyond = leave.change * (series.v_at(at) - leave.boundary);
+        let is_met = beyond.abs().less(tolerance);
+        let is_met = is_met.or((leave.change.abs() * flow.thin).less(R::splat(0.5)));
+        if is_met.all() {
+            break;
+        }
+        let is_out = zero.less(beyond);
+        high = R::select(is_out, at, high);
+        low = R::select(is_out, low, at);
+        let newton = at - beyond / (leave.change * series.v_slope_at(at));
+        let is_between = low.less(newton).and(newton.less(high));
+        let closer = R::select(is_between, newton, R::splat(0.5) * (low + high));
+        at = R::select(is_met, at, closer);
+    }
+    at
 }
 
 /// Where x turns within the step, or else x at its end: an extremum of x that no step's end shows. `w` is the angular

@@ -9,10 +9,11 @@ mod warnings;
 
 pub use preset::Preset;
 pub use request::Request;
-pub use settings::{BackendChoice, InitialBox, MAX_MODES, MIN_EPSILON_0_F32, Precision, Scheme, Settings};
+pub use settings::{BackendChoice, InitialBox, MAX_MODES, Precision, Scheme, Settings};
 
 use crate::grid::{AxisError, Coordinate, Extents, Grid, GridError};
 use crate::machine::{Description, MachineError, SiQuantity};
+use crate::model::friction::thinnest_layer;
 use crate::parameters::{PARAMETERS, Parameter, ParameterError};
 
 /// A validated, fully resolved experiment.
@@ -67,14 +68,32 @@ impl Experiment {
         self.extent(Parameter::KW).1 > 0.0
     }
 
-    /// Whether f32 can carry the experiment.
+    /// Whether f32 resolves the friction layer everywhere in the grid.
     ///
     /// # Errors
-    /// If the friction layer is thinner than [`MIN_EPSILON_0_F32`] somewhere in the grid.
+    /// If not: with the thinnest layer and the greatest speed of the shaft.
     pub fn check_f32(&self) -> Result<(), ExperimentError> {
-        let value = self.extent(Parameter::Epsilon0).0;
-        if value < MIN_EPSILON_0_F32 {
-            return Err(ExperimentError::LayerTooThinForF32 { value });
+        let (slowest, fastest) = self.extent(Parameter::OmegaK);
+        let speed = slowest.abs().max(fastest.abs()) + self.extent(Parameter::ZetaK).1;
+        self.check_layer_in_f32(self.extent(Parameter::Epsilon0).0, speed)
+    }
+
+    /// Whether f32 resolves the friction layer anywhere in the grid. Points at which it does not are computed in f64.
+    ///
+    /// # Errors
+    /// If not: with the thickest layer and the least speed of the shaft.
+    pub fn check_f32_anywhere(&self) -> Result<(), ExperimentError> {
+        let (slowest, fastest) = self.extent(Parameter::OmegaK);
+        // 0 if the speed changes its sign
+        let speed = slowest.max(-fastest).max(0.0) + self.extent(Parameter::ZetaK).0;
+        self.check_layer_in_f32(self.extent(Parameter::Epsilon0).1, speed)
+    }
+
+    fn check_layer_in_f32(&self, value: f64, speed: f64) -> Result<(), ExperimentError> {
+        let is_dry = self.extent(Parameter::Epsilon).1 * self.extent(Parameter::F0).1 > 0.0;
+        let least = thinnest_layer(f32::EPSILON.into(), speed);
+        if is_dry && value <= least {
+            return Err(ExperimentError::LayerTooThinForF32 { value, least, speed });
         }
         Ok(())
     }
@@ -135,10 +154,10 @@ pub enum ExperimentError {
     #[error("a GPU integrates in f32: leave --precision f64 out, or use --backend cpu")]
     GpuF64,
     #[error(
-        "epsilon_0 = {value} is too thin a friction layer for f32 (least: {MIN_EPSILON_0_F32}): \
-         use --backend cpu --precision f64"
+        "epsilon_0 = {value} is too thin a friction layer for f32, whose numbers lie too far apart at a shaft speed of {speed} \
+         (least: {least:.1e}): use --backend cpu --precision f64"
     )]
-    LayerTooThinForF32 { value: f64 },
+    LayerTooThinForF32 { value: f64, least: f64, speed: f64 },
     #[error("no experiment in TOML: {0}")]
     Toml(#[from] toml::de::Error),
 }

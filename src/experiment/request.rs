@@ -110,7 +110,7 @@ impl Request {
         experiment.settings = self.settings.for_model(experiment.is_rubbed())?;
         experiment.settings.check()?;
         if experiment.settings.precision == Some(Precision::F32) || experiment.settings.backend == BackendChoice::Gpu {
-            experiment.check_f32()?;
+            experiment.check_f32_anywhere()?;
         }
         Ok(experiment)
     }

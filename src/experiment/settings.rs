@@ -163,9 +163,6 @@ impl Default for Settings {
 /// Most heat modes: what the GPU's kernels hold.
 pub const MAX_MODES: u32 = 64;
 
-/// Least half-width of the friction layer in f32: below, the tangent in the layer loses all digits.
-pub const MIN_EPSILON_0_F32: f64 = 1e-4;
-
 impl Settings {
     /// The stepping scheme.
     pub fn scheme(&self) -> Scheme {

@@ -47,6 +47,8 @@ pub trait Real:
     const LANES: usize;
     /// How many vectors lie side by side; scalars are none, however many.
     const VECTORS: usize = 0;
+    /// Ticks of a clock in a forcing period: a power of two, so that the length of a tick is exact.
+    const PERIOD_TICKS: f64;
 
     /// Rounds an f64 to the lane's type.
     fn scalar(value: f64) -> Self::Scalar;
@@ -65,7 +67,7 @@ pub trait Real:
     fn less(self, other: Self) -> Self::Mask;
     /// `yes` where the mask is true, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
-    /// The whole part of numbers in 0..2^31.
+    /// A whole number of ticks within one of `self`, which is 0 to [`Real::PERIOD_TICKS`].
     fn to_ticks(self) -> Self::Ticks;
     fn from_ticks(ticks: Self::Ticks) -> Self;
     /// The first half (0) or the second (1).
@@ -110,9 +112,11 @@ pub trait Mask: Copy {
     fn or(self, other: Self) -> Self;
 }
 
-/// One whole number in 0..2^31 a lane: clocks, which must add up exactly in every number type.
+/// One whole number a lane, up to [`Real::PERIOD_TICKS`]: clocks, which must add up exactly in every number type. An f64
+/// holds such numbers itself; an f32 is too short, and has integers beside it.
 pub trait Ticks: Copy + Send + Sync {
-    fn splat(ticks: u32) -> Self;
+    /// A whole number that f64 holds.
+    fn splat(ticks: f64) -> Self;
     /// `self - other`, which must not be negative.
     fn minus(self, other: Self) -> Self;
     fn least(self, other: Self) -> Self;
@@ -141,10 +145,19 @@ impl Mask for bool {
     }
 }
 
+/// Ticks in a period of clocks beside an f32: as many as a 32-bit integer holds with room to spare.
+pub const SHORT_PERIOD_TICKS: f64 = (1u64 << 28) as f64;
+
+/// Ticks in a period of clocks that an f64 holds: with room to be rounded to whole numbers by adding [`ROUNDING`].
+pub const LONG_PERIOD_TICKS: f64 = (1u64 << 50) as f64;
+
+/// An f64 of up to a half of this is rounded to the nearest whole number as it is added and taken away again.
+pub(crate) const ROUNDING: f64 = (1u64 << 52) as f64;
+
 impl Ticks for u32 {
     #[inline(always)]
-    fn splat(ticks: u32) -> Self {
-        ticks
+    fn splat(ticks: f64) -> Self {
+        ticks as u32
     }
     #[inline(always)]
     fn minus(self, other: Self) -> Self {
@@ -160,13 +173,33 @@ impl Ticks for u32 {
     }
 }
 
+impl Ticks for f64 {
+    #[inline(always)]
+    fn splat(ticks: f64) -> Self {
+        ticks
+    }
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        self - other
+    }
+    #[inline(always)]
+    fn least(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+    #[inline(always)]
+    fn all_zero(self) -> bool {
+        self == 0.0
+    }
+}
+
 macro_rules! scalar_real {
-    ($scalar:ident) => {
+    ($scalar:ident, $ticks:ident of $period_ticks:ident, |$value:ident| $to_ticks:expr) => {
         impl Real for $scalar {
             type Mask = bool;
-            type Ticks = u32;
+            type Ticks = $ticks;
             type Scalar = $scalar;
             const LANES: usize = 1;
+            const PERIOD_TICKS: f64 = $period_ticks;
             undivided!();
 
             #[inline(always)]
@@ -219,16 +252,17 @@ macro_rules! scalar_real {
                 if mask { yes } else { no }
             }
             #[inline(always)]
-            fn to_ticks(self) -> u32 {
-                self as u32
+            fn to_ticks(self) -> $ticks {
+                let $value = self;
+                $to_ticks
             }
             #[inline(always)]
-            fn from_ticks(ticks: u32) -> Self {
+            fn from_ticks(ticks: $ticks) -> Self {
                 ticks as $scalar
             }
         }
     };
 }
 
-scalar_real!(f64);
-scalar_real!(f32);
+scalar_real!(f64, f64 of LONG_PERIOD_TICKS, |value| (value + ROUNDING) - ROUNDING);
+scalar_real!(f32, u32 of SHORT_PERIOD_TICKS, |value| value as u32);

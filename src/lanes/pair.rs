@@ -78,7 +78,7 @@ impl<M: Mask> Mask for Pair<M> {
 
 impl<T: Ticks> Ticks for Pair<T> {
     #[inline(always)]
-    fn splat(ticks: u32) -> Self {
+    fn splat(ticks: f64) -> Self {
         Self(T::splat(ticks), T::splat(ticks))
     }
     #[inline(always)]
@@ -102,6 +102,7 @@ impl<R: Real> Real for Pair<R> {
     type Half = R;
     const LANES: usize = 2 * R::LANES;
     const VECTORS: usize = 2 * R::VECTORS;
+    const PERIOD_TICKS: f64 = R::PERIOD_TICKS;
 
     #[inline(always)]
     fn scalar(value: f64) -> R::Scalar {

@@ -95,7 +95,7 @@ impl<M: Mask, const K: usize> Mask for [M; K] {
 
 impl<T: Ticks, const K: usize> Ticks for [T; K] {
     #[inline(always)]
-    fn splat(ticks: u32) -> Self {
+    fn splat(ticks: f64) -> Self {
         [T::splat(ticks); K]
     }
     #[inline(always)]
@@ -127,6 +127,7 @@ impl<R: Real, const K: usize> Real for Wide<R, K> {
     type Ticks = [R::Ticks; K];
     type Scalar = R::Scalar;
     const LANES: usize = R::LANES * K;
+    const PERIOD_TICKS: f64 = R::PERIOD_TICKS;
     undivided!();
 
     #[inline(always)]

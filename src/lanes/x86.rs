@@ -8,7 +8,7 @@ use std::arch::asm;
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::{Mask, Real, Ticks};
+use super::{LONG_PERIOD_TICKS, Mask, ROUNDING, Real, SHORT_PERIOD_TICKS, Ticks};
 
 macro_rules! x86_vector {
     (
@@ -18,8 +18,7 @@ macro_rules! x86_vector {
         $store:ident, abs = |$a:ident| $abs:expr, less = |$l:ident, $r:ident| $less:expr,
         select = |$s:ident, $yes:ident, $no:ident| $select:expr,
         and = |$and_a:ident, $and_b:ident| $and:expr, or = |$or_a:ident, $or_b:ident| $or:expr,
-        $ticks:ident($ticks_register:ident) = $to_ticks:ident $from_ticks:ident $ticks_set:ident $ticks_sub:ident
-        $ticks_min:ident, zero = |$z:ident| $zero:expr,
+        $ticks:ident of $period_ticks:ident, to = |$value:ident| $to_ticks:expr, from = |$t:ident| $from_ticks:expr,
         $tie:ident($tie_register:ident) for $feature:literal
     ) => {
         $(#[$doc])*
@@ -62,34 +61,6 @@ macro_rules! x86_vector {
             }
         }
 
-        #[derive(Clone, Copy, Debug)]
-        #[repr(transparent)]
-        pub(crate) struct $ticks($ticks_register);
-
-        impl Ticks for $ticks {
-            #[inline(always)]
-            fn splat(ticks: u32) -> Self {
-                // SAFETY: the module's rule.
-                Self(unsafe { $ticks_set(ticks as i32) })
-            }
-            #[inline(always)]
-            fn minus(self, other: Self) -> Self {
-                // SAFETY: the module's rule.
-                Self(unsafe { $ticks_sub(self.0, other.0) })
-            }
-            #[inline(always)]
-            fn least(self, other: Self) -> Self {
-                // SAFETY: the module's rule.
-                Self(unsafe { $ticks_min(self.0, other.0) })
-            }
-            #[inline(always)]
-            fn all_zero(self) -> bool {
-                let $z = self.0;
-                // SAFETY: the module's rule.
-                unsafe { $zero }
-            }
-        }
-
         /// No instruction, but one that the compiler takes for changing both registers.
         #[target_feature(enable = $feature)]
         #[inline]
@@ -120,6 +91,7 @@ macro_rules! x86_vector {
             type Scalar = $scalar;
             const LANES: usize = $lanes;
             const VECTORS: usize = 1;
+            const PERIOD_TICKS: f64 = $period_ticks;
             undivided!();
 
             #[inline(always)]
@@ -187,13 +159,13 @@ macro_rules! x86_vector {
             }
             #[inline(always)]
             fn to_ticks(self) -> $ticks {
-                // SAFETY: the module's rule.
-                $ticks(unsafe { $to_ticks(self.0) })
+                let $value = self;
+                $to_ticks
             }
             #[inline(always)]
             fn from_ticks(ticks: $ticks) -> Self {
-                // SAFETY: the module's rule.
-                Self(unsafe { $from_ticks(ticks.0) })
+                let $t = ticks;
+                $from_ticks
             }
             #[inline(always)]
             fn tied(mut self, mut other: Self) -> (Self, Self) {
@@ -215,6 +187,77 @@ macro_rules! x86_vector {
     };
 }
 
+/// A clock of 32-bit integers in every lane, beside a vector of f32.
+macro_rules! integer_ticks {
+    ($ticks:ident($register:ident) for $real:ident: $set:ident $sub:ident $min:ident $to:ident $from:ident,
+        zero = |$z:ident| $zero:expr) => {
+        #[derive(Clone, Copy, Debug)]
+        #[repr(transparent)]
+        pub(crate) struct $ticks($register);
+
+        impl $ticks {
+            #[inline(always)]
+            fn of(value: $real) -> Self {
+                // SAFETY: the module's rule.
+                Self(unsafe { $to(value.0) })
+            }
+            #[inline(always)]
+            fn value(self) -> $real {
+                // SAFETY: the module's rule.
+                $real(unsafe { $from(self.0) })
+            }
+        }
+
+        impl Ticks for $ticks {
+            #[inline(always)]
+            fn splat(ticks: f64) -> Self {
+                // SAFETY: the module's rule.
+                Self(unsafe { $set(ticks as i32) })
+            }
+            #[inline(always)]
+            fn minus(self, other: Self) -> Self {
+                // SAFETY: the module's rule.
+                Self(unsafe { $sub(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn least(self, other: Self) -> Self {
+                // SAFETY: the module's rule.
+                Self(unsafe { $min(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn all_zero(self) -> bool {
+                let $z = self.0;
+                // SAFETY: the module's rule.
+                unsafe { $zero }
+            }
+        }
+    };
+}
+
+/// A vector of f64 as the clock in its own lanes.
+macro_rules! own_ticks {
+    ($real:ident) => {
+        impl Ticks for $real {
+            #[inline(always)]
+            fn splat(ticks: f64) -> Self {
+                Self::broadcast(ticks)
+            }
+            #[inline(always)]
+            fn minus(self, other: Self) -> Self {
+                self - other
+            }
+            #[inline(always)]
+            fn least(self, other: Self) -> Self {
+                self.min(other)
+            }
+            #[inline(always)]
+            fn all_zero(self) -> bool {
+                self.less(Self::broadcast(0.5)).all()
+            }
+        }
+    };
+}
+
 x86_vector! {
     /// Eight f64 (AVX-512F).
     F64x8: 8 x f64 in __m512d, F64x8Mask(__mmask8) = |m| m;
@@ -223,8 +266,7 @@ x86_vector! {
     abs = |a| _mm512_abs_pd(a), less = |l, r| _mm512_cmp_pd_mask::<_CMP_LT_OQ>(l, r),
     select = |s, yes, no| _mm512_mask_blend_pd(s, no, yes),
     and = |a, b| a & b, or = |a, b| a | b,
-    I32x8ForF64(__m256i) = _mm512_cvttpd_epi32 _mm512_cvtepi32_pd _mm256_set1_epi32 _mm256_sub_epi32 _mm256_min_epi32,
-    zero = |a| _mm256_testz_si256(a, a) == 1,
+    F64x8 of LONG_PERIOD_TICKS, to = |v| v + Self::broadcast(ROUNDING) - Self::broadcast(ROUNDING), from = |t| t,
     tie_f64x8(zmm_reg) for "avx512f"
 }
 
@@ -236,8 +278,7 @@ x86_vector! {
     abs = |a| _mm512_abs_ps(a), less = |l, r| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(l, r),
     select = |s, yes, no| _mm512_mask_blend_ps(s, no, yes),
     and = |a, b| a & b, or = |a, b| a | b,
-    I32x16(__m512i) = _mm512_cvttps_epi32 _mm512_cvtepi32_ps _mm512_set1_epi32 _mm512_sub_epi32 _mm512_min_epi32,
-    zero = |a| _mm512_test_epi32_mask(a, a) == 0,
+    I32x16 of SHORT_PERIOD_TICKS, to = |v| I32x16::of(v), from = |t| t.value(),
     tie_f32x16(zmm_reg) for "avx512f"
 }
 
@@ -249,8 +290,7 @@ x86_vector! {
     abs = |a| _mm256_andnot_pd(_mm256_set1_pd(-0.0), a), less = |l, r| _mm256_cmp_pd::<_CMP_LT_OQ>(l, r),
     select = |s, yes, no| _mm256_blendv_pd(no, yes, s),
     and = |a, b| _mm256_and_pd(a, b), or = |a, b| _mm256_or_pd(a, b),
-    I32x4(__m128i) = _mm256_cvttpd_epi32 _mm256_cvtepi32_pd _mm_set1_epi32 _mm_sub_epi32 _mm_min_epi32,
-    zero = |a| _mm_testz_si128(a, a) == 1,
+    F64x4 of LONG_PERIOD_TICKS, to = |v| v + Self::broadcast(ROUNDING) - Self::broadcast(ROUNDING), from = |t| t,
     tie_f64x4(ymm_reg) for "avx"
 }
 
@@ -262,7 +302,13 @@ x86_vector! {
     abs = |a| _mm256_andnot_ps(_mm256_set1_ps(-0.0), a), less = |l, r| _mm256_cmp_ps::<_CMP_LT_OQ>(l, r),
     select = |s, yes, no| _mm256_blendv_ps(no, yes, s),
     and = |a, b| _mm256_and_ps(a, b), or = |a, b| _mm256_or_ps(a, b),
-    I32x8(__m256i) = _mm256_cvttps_epi32 _mm256_cvtepi32_ps _mm256_set1_epi32 _mm256_sub_epi32 _mm256_min_epi32,
-    zero = |a| _mm256_testz_si256(a, a) == 1,
+    I32x8 of SHORT_PERIOD_TICKS, to = |v| I32x8::of(v), from = |t| t.value(),
     tie_f32x8(ymm_reg) for "avx"
 }
+
+own_ticks!(F64x8);
+own_ticks!(F64x4);
+integer_ticks!(I32x16(__m512i) for F32x16: _mm512_set1_epi32 _mm512_sub_epi32 _mm512_min_epi32 _mm512_cvttps_epi32
+    _mm512_cvtepi32_ps, zero = |a| _mm512_test_epi32_mask(a, a) == 0);
+integer_ticks!(I32x8(__m256i) for F32x8: _mm256_set1_epi32 _mm256_sub_epi32 _mm256_min_epi32 _mm256_cvttps_epi32
+    _mm256_cvtepi32_ps, zero = |a| _mm256_testz_si256(a, a) == 1);

@@ -6,6 +6,9 @@ use super::friction::Friction;
 use crate::lanes::Real;
 use crate::parameters::Parameter;
 
+/// A state with |x| + |y| at or above this has run away: bounded motion of the system is O(1).
+pub const RUNAWAY_BOUND: f64 = 1e4;
+
 /// The oscillator x'' = x - b x^3 + eps F(v) - eps h1 y with y = x' and v = (shaft speed) - y.
 ///
 /// The damping goes into the friction's linear term: -eps h1 y = eps h1 v - eps h1 (shaft speed).

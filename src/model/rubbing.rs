@@ -10,6 +10,9 @@ use super::thermal_modes::ThermalModes;
 use crate::lanes::Real;
 use crate::parameters::{Parameter, ParameterSet};
 
+/// Stands for the half-width of a layer that is not there, since there is no dry friction: no speed reaches its boundaries.
+pub const NO_LAYER: f64 = 1e30;
+
 /// The system
 ///
 /// ```text
@@ -35,7 +38,10 @@ pub struct Rubbing<R> {
     pub two_gamma: R,
     /// delta of the fit h_U = 1 - exp(-delta tau^2); infinite where there is no ramp.
     pub ramp_rate: R,
+    /// Half-width of the friction layer; [`NO_LAYER`] where there is no dry friction.
     pub epsilon_0: R,
+    /// The same, but 1 at most: what v is measured by in the layer.
+    pub layer: R,
     friction: Friction<R>,
 }
 
@@ -43,6 +49,8 @@ impl<R: Real> Rubbing<R> {
     pub fn new(value: impl Fn(Parameter) -> R) -> Self {
         use Parameter::{Alpha, B, Beta, Epsilon, Epsilon0, F0, Gamma, H1, KW, OmegaK, RampRate, ZetaK};
         let epsilon = value(Epsilon);
+        let is_dry = R::splat(0.0).less(epsilon * value(F0));
+        let epsilon_0 = R::select(is_dry, value(Epsilon0), R::splat(NO_LAYER));
         Self {
             minus_b: -value(B),
             minus_three_b: R::splat(-3.0) * value(B),
@@ -53,8 +61,9 @@ impl<R: Real> Rubbing<R> {
             k_w: value(KW),
             two_gamma: R::splat(2.0) * value(Gamma),
             ramp_rate: value(RampRate),
-            epsilon_0: value(Epsilon0),
-            friction: Friction::new(R::splat(1.0), value(F0), value(Alpha), value(Beta), value(Epsilon0)),
+            epsilon_0,
+            layer: epsilon_0.min(R::splat(1.0)),
+            friction: Friction::new(R::splat(1.0), value(F0), value(Alpha), value(Beta), epsilon_0),
         }
     }
 
@@ -130,6 +139,15 @@ pub struct HeatModes {
 }
 
 impl HeatModes {
+    /// Of a shaft in which no heat is followed.
+    pub fn none() -> Self {
+        Self {
+            rates: Vec::new(),
+            weights: Vec::new(),
+            surface_temperature: 0.0,
+        }
+    }
+
     /// The modes of an instance whose shaft has the spectrum `modes`, that of its Biot number.
     pub fn new(parameters: &ParameterSet, modes: &ThermalModes) -> Self {
         let (omega_tilde, gamma) = (parameters[Parameter::OmegaTilde], parameters[Parameter::Gamma]);

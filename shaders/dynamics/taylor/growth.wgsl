@@ -1,49 +1,82 @@
 // The growth of tangent vectors over a forcing period. Twin: src/dynamics/taylor/growth.rs.
 
-// The second vector, and the area that both have spanned since the period began.
+// A tangent vector within a forcing period, and the logarithm of what its length was divided by on the way.
+struct Carried {
+    vector: Vector,
+    log_length: Real,
+}
+
+// The second vector, the area that both have spanned since the period began, and the logarithm of what that was divided by.
 struct Area {
     second: Vector,
     product: Real,
-}
-
-// The first vector at length 1, and the logarithms of both vectors' growth.
-struct Closed {
-    vector: Vector,
-    growth: Growth,
+    log_product: Real,
 }
 
 // The first vector at length 1, and the logarithm of its growth.
-struct ClosedFirst {
+struct Closed {
     vector: Vector,
     growth: Real,
 }
 
+fn is_comfortable(value: Real) -> Mask {
+    return (Real(1.0 / COMFORTABLE) < value) & (value < Real(COMFORTABLE));
+}
+
+// By what to divide a length, or an area, that is not comfortable; by 1 where it is 0 or no number.
+fn divisor(value: Real, goes_on: Mask) -> Real {
+    let is_number = (Real(0.0) < value) & (value < Real(LARGEST_LENGTH));
+    return select(Real(1.0), value, is_number & goes_on & !is_comfortable(value));
+}
+
+fn carried_new(vector: Vector) -> Carried {
+    return Carried(vector, Real(0.0));
+}
+
+// By what a vector's length is to be divided.
+fn uncomfortable_length(carried: Carried, goes_on: Mask) -> Real {
+    return divisor(abs(carried.vector.x) + abs(carried.vector.y), goes_on);
+}
+
+fn divided(carried: Carried, length: Real) -> Carried {
+    let inverse = 1.0 / length;
+    let vector = Vector(carried.vector.x * inverse, carried.vector.y * inverse);
+    return Carried(vector, carried.log_length + log(length));
+}
+
+// Ends the period: the vector at length 1 in units of tau, and the logarithm of its growth. Vectors have speeds in units of
+// time, whose inverse is given.
+fn close(carried: Carried, inverse_unit: Real) -> Closed {
+    let x = carried.vector.x;
+    let y = carried.vector.y * inverse_unit;
+    // a vector of length 0 stays one; what has overflowed shows
+    let measured = fma(x, x, y * y);
+    let square = select(measured, Real(SMALLEST_SQUARE), measured < Real(SMALLEST_SQUARE));
+    let inverse = 1.0 / sqrt(square);
+    return Closed(Vector(x * inverse, y * inverse), fma(Real(0.5), log(square), carried.log_length));
+}
+
 // With a second vector that spans the area 1 with the first.
 fn area_new(first: Vector) -> Area {
-    return Area(across(first), Real(1.0));
+    return Area(across(first), Real(1.0), Real(0.0));
 }
 
 // Replaces the second vector; the area that it had spanned goes into the product.
-fn renew(area: Area, first: Vector) -> Area {
-    return Area(across(first), area.product * spanned(first, area.second));
+fn renew(area: Area, first: Vector, goes_on: Mask) -> Area {
+    let product = area.product * spanned(first, area.second);
+    let by = divisor(product, goes_on);
+    return Area(across(first), product / by, area.log_product + log(by));
 }
 
-// Ends the period. Vectors have speeds in units of time, whose inverse is given.
-fn close(area: Area, first: Vector, inverse_unit: Real) -> Closed {
+// The second vector made longer by as much as the first was divided by: the area stays the same.
+fn stretched(area: Area, length: Real) -> Area {
+    return Area(Vector(area.second.x * length, area.second.y * length), area.product, area.log_product);
+}
+
+// The logarithm of the area that the vectors span at the period's end, over that at its beginning.
+fn close_area(area: Area, first: Vector) -> Real {
     let measured = area.product * spanned(first, area.second);
-    let product = select(measured, Real(SMALLEST_SQUARE), measured < Real(SMALLEST_SQUARE));
-    let closed = close_first(first, inverse_unit);
-    return Closed(closed.vector, Growth(closed.growth, log(product) - closed.growth));
-}
-
-// The first vector at length 1 at the end of a period, and the logarithm of its growth.
-fn close_first(first: Vector, inverse_unit: Real) -> ClosedFirst {
-    let y = first.y * inverse_unit;
-    // what has shrunk below the smallest number is taken as that small; what has overflowed shows
-    let measured = fma(first.x, first.x, y * y);
-    let square = select(measured, Real(SMALLEST_SQUARE), measured < Real(SMALLEST_SQUARE));
-    let inverse = 1.0 / sqrt(square);
-    return ClosedFirst(Vector(first.x * inverse, y * inverse), 0.5 * log(square));
+    return area.log_product + log(select(measured, Real(SMALLEST_SQUARE), measured < Real(SMALLEST_SQUARE)));
 }
 
 // The area that two vectors span.

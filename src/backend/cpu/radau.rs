@@ -7,12 +7,13 @@ use super::super::{BackendError, EndState, Slice, Stage, Sums};
 use super::Block;
 use super::record::{Measuring, Record};
 use crate::dynamics::adaptive::{Control, Orbit, Peaks, Scratch, System, Tangent};
+use crate::dynamics::divergence_check::growth_of_first;
 use crate::dynamics::radau::ModeStep;
-use crate::dynamics::tangent::Growth;
+use crate::dynamics::tangent::Vector;
 use crate::experiment::Settings;
 use crate::lanes::{Mask, Real};
 use crate::measurement::Contact;
-use crate::model::rubbing::Spectra;
+use crate::model::rubbing::{HeatModes, Spectra};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// As many instances as the lane type holds.
@@ -31,6 +32,7 @@ pub(super) struct Run<R> {
     measuring: Measuring,
     control: Control<R>,
     spectra: Spectra,
+    carries_modes: bool,
 }
 
 impl<R: Real + Send + Sync> Block for RadauBlock<R> {
@@ -42,19 +44,24 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
             measuring: Measuring::new(settings),
             control: Control::new(settings),
             spectra: Spectra::new(instances, settings.modes as usize),
+            // without heat anywhere modes would be carried in vain
+            carries_modes: instances.iter().any(ParameterSet::is_rubbed),
         }
     }
 
-    fn new(run: &Run<R>, settings: &Settings, instances: &[ParameterSet]) -> Self {
+    fn new(run: &Run<R>, _: &Settings, instances: &[ParameterSet]) -> Self {
         let instance = |lane: usize| &instances[lane.min(instances.len() - 1)];
         let lanes = |parameter| R::from_lanes(|lane| instance(lane)[parameter]);
         let modes: Vec<_> = instances
             .iter()
-            .map(|instance| run.spectra.heat_modes(instance))
+            .map(|instance| match run.carries_modes {
+                true => run.spectra.heat_modes(instance),
+                false => HeatModes::none(),
+            })
             .collect();
         let system = System::new(lanes, |lane| &modes[lane.min(modes.len() - 1)]);
         let orbit = Orbit::start(&system, lanes(Parameter::X0), lanes(Parameter::Y0));
-        let count = settings.modes as usize + 1;
+        let count = modes[0].rates.len();
         Self {
             tangent: Tangent::start(count),
             peaks: Peaks::start(&orbit),
@@ -66,8 +73,12 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
         }
     }
 
-    fn set_tangents(&mut self, _: impl Fn(usize) -> [f64; 2]) -> Result<(), BackendError> {
-        Err(BackendError::tangents_with_heat())
+    fn set_tangents(&mut self, tangent: impl Fn(usize) -> [f64; 2]) -> Result<(), BackendError> {
+        if !self.system.is_rubbed.less(R::splat(0.5)).all() {
+            return Err(BackendError::tangents_with_heat());
+        }
+        self.tangent.turn(Vector::from_lanes(tangent));
+        Ok(())
     }
 
     #[inline(always)]
@@ -82,15 +93,13 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
             self.orbit
                 .period(&self.system, &run.control, &mut self.peaks, tangent, &mut self.scratch);
             if slice.stage != Stage::Transient {
-                let growth = self.tangent.normalise(&self.system).ln();
+                let growth = self.tangent.normalise(&self.system);
+                let divergence = self.tangent.take_divergence();
                 if measured {
-                    self.add(run, slice.first + n, growth);
+                    self.add(run, slice.first + n, growth, divergence);
                 }
             }
-            let period = slice.elapsed + n + 1;
-            self.record
-                .note_runaways(self.orbit.x, self.orbit.y(&self.system), period);
-            self.note_given_up(period);
+            self.note_given_up(slice.elapsed + n + 1);
         }
     }
 
@@ -106,6 +115,7 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
         let tau = |at: [R; 2]| at[0].lane(index) * self.forcing_periods[index] + at[1].lane(index);
         let lost = self.peaks.lost;
         let y = self.orbit.y(&self.system).lane(index);
+        let tangent = self.tangent.in_plane().lane(index);
         EndState {
             contact: Contact {
                 lost: (lost[0].lane(index) >= 0.0).then(|| tau(lost)),
@@ -114,20 +124,26 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
                 final_wear: self.orbit.wear(&self.system).lane(index),
                 peak_temperature: self.peaks.temperature.lane(index),
             },
-            ..self
-                .record
-                .end_state(index, [self.orbit.x.lane(index), y], [f64::NAN; 2])
+            ..self.record.end_state(index, [self.orbit.x.lane(index), y], tangent)
         }
     }
 }
 
 impl<R: Real> RadauBlock<R> {
     #[inline(always)]
-    fn add(&mut self, run: &Run<R>, index: u32, first: R) {
-        let zero = R::splat(0.0);
+    fn add(&mut self, run: &Run<R>, index: u32, first: R, divergence: R) {
         let (x, y) = (self.orbit.x, self.orbit.y(&self.system));
-        let growth = Growth { first, second: zero };
-        self.record.add(&run.measuring, index, growth, zero, x, y);
+        // with heat or wear the tangent space has more dimensions than two
+        let is_rubbed = R::splat(0.5).less(self.system.is_rubbed);
+        let divergence = R::select(is_rubbed, R::splat(f64::NAN), divergence);
+        self.record.add(
+            &run.measuring,
+            index,
+            growth_of_first(first, divergence),
+            divergence,
+            x,
+            y,
+        );
         [self.record.x_min, self.record.x_max] = self.orbit.extremes;
     }
 
@@ -139,6 +155,8 @@ impl<R: Real> RadauBlock<R> {
             return;
         }
         self.record.note_under_resolved(|lane| under_resolved.lane(lane) > 0.0);
-        self.record.note_runaway_lanes(period, |lane| runaway.lane(lane) > 0.0);
+        let phase = self.orbit.runaway_phase;
+        self.record
+            .note_runaway_lanes(|lane| (runaway.lane(lane) > 0.0).then(|| f64::from(period - 1) + phase.lane(lane)));
     }
 }

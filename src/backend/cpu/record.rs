@@ -36,7 +36,10 @@ pub(super) struct Record<R> {
     pub x_min: R,
     pub x_max: R,
     stroboscopes: Vec<Stroboscope>,
-    runaway_periods: Vec<Option<u32>>,
+    /// When a lane ran away, in forcing periods since the start of the run.
+    runaways: Vec<Option<f64>>,
+    /// The state at the beginning of the period in which it did, where the scheme cannot tell when within it.
+    runaway_starts: Vec<Option<[f64; 2]>>,
     under_resolved: Vec<bool>,
 }
 
@@ -53,7 +56,8 @@ impl<R: Real> Record<R> {
             x_min: R::splat(f64::INFINITY),
             x_max: R::splat(f64::NEG_INFINITY),
             stroboscopes: vec![Stroboscope::default(); R::LANES],
-            runaway_periods: vec![None; R::LANES],
+            runaways: vec![None; R::LANES],
+            runaway_starts: vec![None; R::LANES],
             under_resolved: vec![false; R::LANES],
         }
     }
@@ -90,23 +94,27 @@ impl<R: Real> Record<R> {
         }
     }
 
-    /// Notes which lanes were found to have run away at the end of `period`, counted from 1; tells whether any was.
+    /// Notes which lanes were found to have run away after `periods` of the run, the last of which began in the state `begun`;
+    /// tells whether any was.
     #[inline(always)]
-    pub fn note_runaways(&mut self, x: R, y: R, period: u32) -> bool {
+    pub fn note_runaways(&mut self, x: R, y: R, begun: [R; 2], periods: u32) -> bool {
         let inside = (x.abs() + y.abs()).less(R::splat(RUNAWAY_BOUND));
         if inside.all() {
             return false;
         }
-        self.note_runaway_lanes(period, |lane| !inside.lane(lane));
+        for (lane, start) in self.runaway_starts.iter_mut().enumerate() {
+            if !inside.lane(lane) && start.is_none() {
+                *start = Some(begun.map(|value| value.lane(lane)));
+            }
+        }
+        self.note_runaway_lanes(|lane| (!inside.lane(lane)).then(|| periods.into()));
         true
     }
 
-    /// Notes the lanes for which `ran_away` is true, in `period`, counted from 1; the first time counts.
-    pub fn note_runaway_lanes(&mut self, period: u32, ran_away: impl Fn(usize) -> bool) {
-        for (lane, runaway) in self.runaway_periods.iter_mut().enumerate() {
-            if ran_away(lane) && runaway.is_none() {
-                *runaway = Some(period);
-            }
+    /// Notes the lanes for which `ran_away` tells when, in forcing periods since the start of the run; the first time counts.
+    pub fn note_runaway_lanes(&mut self, ran_away: impl Fn(usize) -> Option<f64>) {
+        for (lane, runaway) in self.runaways.iter_mut().enumerate() {
+            *runaway = runaway.or_else(|| ran_away(lane));
         }
     }
 
@@ -119,7 +127,7 @@ impl<R: Real> Record<R> {
 
     /// Whether the lane's instance has neither run away nor been given up.
     pub fn goes_on(&self, lane: usize) -> bool {
-        self.runaway_periods[lane].is_none() && !self.under_resolved[lane]
+        self.runaways[lane].is_none() && !self.under_resolved[lane]
     }
 
     /// Sums of a lane since they were last cleared.
@@ -132,7 +140,8 @@ impl<R: Real> Record<R> {
     }
 
     /// The lane's record, with its state (x, y) and its first tangent vector.
-    pub fn end_state(&self, lane: usize, [x, y]: [f64; 2], tangent: [f64; 2]) -> EndState {
+    pub fn end_state(&self, lane: usize, state: [f64; 2], tangent: [f64; 2]) -> EndState {
+        let [x, y] = self.runaway_starts[lane].unwrap_or(state);
         EndState {
             x,
             y,
@@ -140,7 +149,7 @@ impl<R: Real> Record<R> {
             x_min: self.x_min.lane(lane),
             x_max: self.x_max.lane(lane),
             candidates: self.stroboscopes[lane].candidates(),
-            runaway_period: self.runaway_periods[lane],
+            runaway_periods: self.runaways[lane],
             under_resolved: self.under_resolved[lane],
             contact: Contact::CONSTANT,
         }

@@ -68,10 +68,10 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
     #[inline(always)]
     fn advance_plain(&mut self, run: &Self::Run, slice: &Slice) {
         for n in 0..slice.periods {
+            let begun = self.groups.each_ref().map(|group| group.state);
             self.period(run);
-            for group in &mut self.groups {
-                let State { x, y } = group.state;
-                group.record.note_runaways(x, y, slice.elapsed + n + 1);
+            for (group, begun) in self.groups.iter_mut().zip(begun) {
+                group.note_runaways(begun, slice.elapsed + n + 1);
             }
         }
     }
@@ -85,6 +85,7 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
                 if is_measured && index == 0 {
                     group.record.begin(group.state.x);
                 }
+                let begun = group.state;
                 let (growth, divergence) = if is_measured && is_checked(index) {
                     group.checked_period(run)
                 } else {
@@ -94,7 +95,7 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
                 if is_measured {
                     group.record.add(&run.measuring, index, growth, divergence, x, y);
                 }
-                group.record.note_runaways(x, y, slice.elapsed + n + 1);
+                group.note_runaways(begun, slice.elapsed + n + 1);
             }
         }
     }
@@ -168,6 +169,12 @@ impl<R: Real> Group<R> {
             vector: Bases::start().first,
             record: Record::new(),
         }
+    }
+
+    #[inline(always)]
+    fn note_runaways(&mut self, begun: State<R>, periods: u32) {
+        let State { x, y } = self.state;
+        self.record.note_runaways(x, y, [begun.x, begun.y], periods);
     }
 
     /// One forcing period with a tangent vector and extremes of x; returns growth and divergence over it.

@@ -8,8 +8,8 @@ use super::Block;
 use super::record::{Measuring, Record};
 use crate::dynamics::divergence_check::{checked_growth, growth_of_first, is_checked};
 use crate::dynamics::tangent::{Growth, Vector};
-use crate::dynamics::taylor::growth::{self, Area, RENEWAL_STEPS};
-use crate::dynamics::taylor::{self, COEFFICIENTS, Flow, MAX_PASSES, TICKS_PER_PERIOD};
+use crate::dynamics::taylor::growth::{Area, Carried, RENEWAL_STEPS};
+use crate::dynamics::taylor::{self, COEFFICIENTS, Flow, is_layer_resolved};
 use crate::experiment::Settings;
 use crate::lanes::{Real, Ticks};
 use crate::parameters::{Parameter, ParameterSet};
@@ -21,10 +21,14 @@ pub(super) struct TaylorBlock<R> {
     inverse_unit: R,
     x: R,
     y: R,
+    /// x and y at the beginning of the last period.
+    begun: [R; 2],
     /// The first tangent vector (X, Y), of length 1.
     vector: Vector<R>,
     /// A period's ticks in lanes that go on, 0 in those that have run away or were given up.
     period: R,
+    /// Passes after which lanes that have not finished their period are given up.
+    most_passes: u32,
     record: Record<R>,
 }
 
@@ -40,22 +44,26 @@ impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
     fn new(_: &Measuring, settings: &Settings, instances: &[ParameterSet]) -> Self {
         let instance = |lane: usize| &instances[lane.min(instances.len() - 1)];
         let lanes = |parameter| R::from_lanes(|lane| instance(lane)[parameter]);
-        let omega_0 = |lane| instance(lane)[Parameter::Omega0];
-        let unit = R::from_lanes(|lane| taylor::unit_of_time(omega_0(lane)));
-        let longest = R::from_lanes(|lane| taylor::longest_step(omega_0(lane), settings.steps_per_period()));
-        Self {
+        let unit = R::from_lanes(|lane| taylor::unit_of_time(instance(lane)[Parameter::Omega0]));
+        let longest = R::from_lanes(|lane| taylor::longest_step(instance(lane), settings.steps_per_period()));
+        let passes = instances.iter().map(|set| taylor::most_passes(set.forcing_period()));
+        let mut block = Self {
             flow: Flow::new(lanes, unit, longest),
             unit,
             inverse_unit: R::splat(1.0) / unit,
             x: lanes(Parameter::X0),
             y: lanes(Parameter::Y0),
+            begun: [lanes(Parameter::X0), lanes(Parameter::Y0)],
             vector: Vector {
                 x: R::splat(1.0),
                 y: R::splat(0.0),
             },
-            period: R::splat(f64::from(TICKS_PER_PERIOD)),
+            period: R::splat(R::PERIOD_TICKS),
+            most_passes: passes.max().expect("a block has instances"),
             record: Record::new(),
-        }
+        };
+        block.refuse(|lane| !is_layer_resolved::<R>(instance(lane)));
+        block
     }
 
     fn set_tangents(&mut self, tangent: impl Fn(usize) -> [f64; 2]) -> Result<(), BackendError> {
@@ -66,7 +74,11 @@ impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
     #[inline(always)]
     fn advance_plain(&mut self, _: &Measuring, slice: &Slice) {
         for n in 0..slice.periods {
-            self.period();
+            if self.flow.any_thin {
+                self.period::<true>();
+            } else {
+                self.period::<false>();
+            }
             self.note_runaways(slice.elapsed + n + 1);
         }
     }
@@ -79,10 +91,11 @@ impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
             if is_measured && index == 0 {
                 self.record.begin(self.x);
             }
-            let (growth, divergence) = if is_measured && is_checked(index) {
-                self.period_with_tangent::<true>()
-            } else {
-                self.period_with_tangent::<false>()
+            let (growth, divergence) = match (is_measured && is_checked(index), self.flow.any_thin) {
+                (true, false) => self.period_with_tangent::<true, false>(),
+                (false, false) => self.period_with_tangent::<false, false>(),
+                (true, true) => self.period_with_tangent::<true, true>(),
+                (false, true) => self.period_with_tangent::<false, true>(),
             };
             if is_measured {
                 self.record.add(run, index, growth, divergence, self.x, self.y);
@@ -108,40 +121,44 @@ impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
 impl<R: Real> TaylorBlock<R> {
     /// One forcing period of the motion alone.
     #[inline(always)]
-    fn period(&mut self) {
+    fn period<const THIN: bool>(&mut self) {
         let mut state = self.flow.start(self.x, self.y * self.unit, self.period.to_ticks());
-        for _ in 0..MAX_PASSES {
+        for _ in 0..self.most_passes {
             if state.left.all_zero() {
                 break;
             }
-            (_, state) = taylor::step::<R, COEFFICIENTS>(&self.flow, &state);
+            (_, state) = taylor::step::<R, COEFFICIENTS, THIN>(&self.flow, &state);
         }
         self.end(state.x, state.w, state.left);
     }
 
     /// One forcing period with a tangent vector, or with both, and extremes of x; returns growth and divergence over it.
     #[inline(always)]
-    fn period_with_tangent<const BOTH: bool>(&mut self) -> (Growth<R>, R) {
+    fn period_with_tangent<const BOTH: bool, const THIN: bool>(&mut self) -> (Growth<R>, R) {
         let mut state = self.flow.start(self.x, self.y * self.unit, self.period.to_ticks());
-        let mut first = Vector {
+        let mut first = Carried::new(Vector {
             x: self.vector.x,
             y: self.vector.y * self.unit,
-        };
-        let mut area = Area::new(first);
+        });
+        let mut area = Area::new(first.vector);
         let (mut x_min, mut x_max) = (self.record.x_min, self.record.x_max);
         let mut divergence = R::splat(0.0);
-        for pass in 1..=MAX_PASSES {
+        for pass in 1..=self.most_passes {
             if state.left.all_zero() {
                 break;
             }
-            let (step, end) = taylor::step::<R, COEFFICIENTS>(&self.flow, &state);
+            let (step, end) = taylor::step::<R, COEFFICIENTS, THIN>(&self.flow, &state);
             let turning = taylor::turning(&step, &end);
-            first = step.series.carried(first, step.s);
+            first.vector = step.series.carried(first.vector, step.s);
             if BOTH {
                 area.second = step.series.carried(area.second, step.s);
-                if pass.is_multiple_of(RENEWAL_STEPS) {
-                    area.renew(first, R::from_ticks(state.left));
+            }
+            if pass.is_multiple_of(RENEWAL_STEPS) {
+                let left = R::from_ticks(state.left);
+                if BOTH {
+                    area.renew(first.vector, left);
                 }
+                first.settle(BOTH.then_some(&mut area), left);
             }
             divergence = divergence + step.series.divergence_to(step.s);
             x_min = x_min.min(turning).min(end.x);
@@ -149,23 +166,21 @@ impl<R: Real> TaylorBlock<R> {
             state = end;
         }
         (self.record.x_min, self.record.x_max) = (x_min, x_max);
-        let growth;
-        if BOTH {
-            let both;
-            (self.vector, both) = area.close(first, self.inverse_unit);
-            growth = checked_growth(both, divergence);
+        let grown;
+        (self.vector, grown) = first.close(self.inverse_unit);
+        let growth = if BOTH {
+            let second = area.close(first.vector) - grown;
+            checked_growth(Growth { first: grown, second }, divergence)
         } else {
-            let grown;
-            (self.vector, grown) = growth::close_first(first, self.inverse_unit);
-            growth = growth_of_first(grown, divergence);
-        }
+            growth_of_first(grown, divergence)
+        };
         self.end(state.x, state.w, state.left);
         (growth, divergence)
     }
 
     #[inline(always)]
     fn note_runaways(&mut self, period: u32) {
-        if self.record.note_runaways(self.x, self.y, period) {
+        if self.record.note_runaways(self.x, self.y, self.begun, period) {
             self.stop_lanes();
         }
     }
@@ -173,6 +188,7 @@ impl<R: Real> TaylorBlock<R> {
     /// Takes the state in which a period ended, with the ticks that it still had to go.
     #[inline(always)]
     fn end(&mut self, x: R, w: R, left: R::Ticks) {
+        self.begun = [self.x, self.y];
         self.x = x;
         self.y = w * self.inverse_unit;
         if !left.all_zero() {
@@ -184,7 +200,13 @@ impl<R: Real> TaylorBlock<R> {
     #[cold]
     fn give_up(&mut self, left: R::Ticks) {
         let left = R::from_ticks(left);
-        self.record.note_under_resolved(|lane| left.lane(lane) > 0.0);
+        self.refuse(|lane| left.lane(lane) > 0.0);
+    }
+
+    /// Gives lanes up as under-resolved.
+    #[cold]
+    fn refuse(&mut self, is_refused: impl Fn(usize) -> bool) {
+        self.record.note_under_resolved(is_refused);
         self.stop_lanes();
     }
 
@@ -192,6 +214,14 @@ impl<R: Real> TaylorBlock<R> {
     #[cold]
     fn stop_lanes(&mut self) {
         let record = &self.record;
-        self.period = R::from_lanes(|lane| f64::from(u32::from(record.goes_on(lane)) * TICKS_PER_PERIOD));
+        let vector = self.vector;
+        self.vector = Vector::from_lanes(|lane| {
+            if record.goes_on(lane) {
+                vector.lane(lane)
+            } else {
+                [1.0, 0.0]
+            }
+        });
+        self.period = R::from_lanes(|lane| f64::from(u8::from(record.goes_on(lane))) * R::PERIOD_TICKS);
     }
 }

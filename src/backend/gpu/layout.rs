@@ -3,8 +3,6 @@
 //!
 //! Owns the passage from parameters and settings to these structs; neither allocates nor dispatches.
 
-use std::f64::consts::TAU;
-
 use bytemuck::{Pod, Zeroable};
 
 use crate::backend::{EndState, Sums};
@@ -92,10 +90,10 @@ pub struct Parameters {
 impl Parameters {
     pub fn new(set: &ParameterSet, settings: &Settings) -> Self {
         let value = |parameter| set[parameter] as f32;
-        let (omega_0, steps) = (set[Parameter::Omega0], settings.steps_per_period());
+        let steps = settings.steps_per_period();
         let step_size = match settings.scheme() {
-            Scheme::Taylor => taylor::longest_step(omega_0, steps),
-            Scheme::Rk4 | Scheme::Radau => TAU / (omega_0 * f64::from(steps)),
+            Scheme::Taylor => taylor::longest_step(set, steps),
+            Scheme::Rk4 | Scheme::Radau => set.forcing_period() / f64::from(steps),
         };
         Self {
             zeta_k: value(Parameter::ZetaK),
@@ -108,7 +106,7 @@ impl Parameters {
             beta: value(Parameter::Beta),
             epsilon_0: value(Parameter::Epsilon0),
             step_size: step_size as f32,
-            unit_of_time: taylor::unit_of_time(omega_0) as f32,
+            unit_of_time: taylor::unit_of_time(set[Parameter::Omega0]) as f32,
         }
     }
 }
@@ -137,7 +135,7 @@ impl Orbit {
             x_max: x,
             candidates: u32::MAX,
             runaway_period: 0,
-            under_resolved: 0,
+            under_resolved: u32::from(!taylor::is_layer_resolved::<f32>(set)),
         }
     }
 }
@@ -154,7 +152,7 @@ impl From<(Orbit, Tangent)> for EndState {
             x_min: orbit.x_min.into(),
             x_max: orbit.x_max.into(),
             candidates: orbit.candidates,
-            runaway_period: (orbit.runaway_period > 0).then_some(orbit.runaway_period),
+            runaway_periods: (orbit.runaway_period > 0).then_some(orbit.runaway_period.into()),
             under_resolved: orbit.under_resolved > 0,
             contact: Contact::CONSTANT,
         }

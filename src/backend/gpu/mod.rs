@@ -24,9 +24,9 @@ use self::rubbed::RubbedBatch;
 use self::shader_source::{Kernel, Shader};
 use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
 use crate::dynamics::divergence_check::{alike, is_checked};
-use crate::experiment::{ExperimentError, MAX_MODES, MIN_EPSILON_0_F32, Scheme, Settings};
+use crate::experiment::{MAX_MODES, Scheme, Settings};
 use crate::measurement::BackendKind;
-use crate::parameters::{Parameter, ParameterSet};
+use crate::parameters::ParameterSet;
 
 /// Instances that fill the largest devices.
 const HARDWARE_BATCH: u64 = 1 << 18;
@@ -105,14 +105,6 @@ impl GpuBackend {
                 instances.len(),
                 self.context.description()
             )));
-        }
-        let thinnest = instances
-            .iter()
-            .map(|set| set[Parameter::Epsilon0])
-            .fold(f64::INFINITY, f64::min);
-        if thinnest < MIN_EPSILON_0_F32 {
-            let error = ExperimentError::LayerTooThinForF32 { value: thinnest };
-            return Err(BackendError::Unsupported(error.to_string()));
         }
         Ok(())
     }

@@ -9,7 +9,7 @@ use crate::dynamics::dense::Cubic;
 use crate::dynamics::matrix::at_nodes;
 use crate::dynamics::radau::{NODES, Start, Trial};
 use crate::lanes::{Mask, Real};
-use crate::model::rubbing::Rubbing;
+use crate::model::rubbing::{NO_LAYER, Rubbing};
 
 /// How far beyond a boundary of the friction layer a step is cut, in units of [`Control::reach`]. The cut aims at a reach
 /// beyond, and a lane on its way out has come to the next piece from a reach before the boundary on: between these it may
@@ -82,13 +82,16 @@ impl<R: Real> Orbit<R> {
         (part, stays)
     }
 
-    /// The piece of the friction law that v is on; in the gap there is none.
+    /// The piece of the friction law that v is on; in the gap, and without dry friction, there is none.
     #[inline(always)]
     fn bounds(&self, rubbing: &Rubbing<R>) -> [R; 2] {
         let (half, far) = (R::splat(0.5), R::splat(FAR));
-        let gap = self.contact.less(half);
-        let lowest = gap.or(self.piece.less(half));
-        let highest = gap.or(R::splat(2.5).less(self.piece));
+        let free = self
+            .contact
+            .less(half)
+            .or(R::splat(0.5 * NO_LAYER).less(rubbing.epsilon_0));
+        let lowest = free.or(self.piece.less(half));
+        let highest = free.or(R::splat(2.5).less(self.piece));
         let low = (self.piece - R::splat(2.0)) * rubbing.epsilon_0;
         [
             R::select(lowest, -far, low),

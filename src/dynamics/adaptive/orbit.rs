@@ -3,13 +3,16 @@
 //! Owns the clock: where the lanes meet, and the passes that they may take until then. Twin:
 //! `shaders/dynamics/adaptive/orbit.wgsl`; loops over periods are the kernel's there.
 
-use super::pass::FIRST_STEP;
-use super::{Control, Peaks, System, TICKS, Tangent};
+use super::pass::FIRST_PART_OF_PERIOD;
+use super::{Control, Peaks, System, Tangent};
 use crate::dynamics::radau::{Heat, ModeStep, Start};
 use crate::lanes::{Mask, Real, Ticks};
 
-/// Passes that a period may take: beyond, it is under-resolved.
+/// Passes that a period may take, and one longer than pi as many more: beyond, it is under-resolved.
 pub const PASS_BUDGET: u32 = 20_000;
+
+/// Passes after which it is seen to that no tangent vector's length leaves the numbers.
+const SETTLING_PASSES: u32 = 16;
 
 /// State of an instance.
 #[derive(Clone, Debug)]
@@ -28,7 +31,7 @@ pub struct Orbit<R: Real> {
     pub(super) cos: R,
     pub(super) left: R::Ticks,
     /// The tick of the period that the lanes are on their way to, or at.
-    pub(super) to: u32,
+    pub(super) to: f64,
     /// Completed periods.
     pub periods: R,
     /// Length of the next step, in ticks.
@@ -40,10 +43,12 @@ pub struct Orbit<R: Real> {
     pub since: R,
     /// Least and greatest x since they were last set.
     pub extremes: [R; 2],
-    /// 1 in lanes that have been given up: because they needed too many or too short steps, or because the pressure ran
-    /// away.
+    /// 1 in lanes that have been given up: because they needed too many or too short steps, or because the motion or the
+    /// pressure ran away.
     pub under_resolved: R,
     pub runaway: R,
+    /// When the lane ran away, as a part of its period.
+    pub runaway_phase: R,
 }
 
 /// Room for what a pass knows of each mode.
@@ -65,16 +70,17 @@ impl<R: Real> Orbit<R> {
             contact: one,
             sin: zero,
             cos: one,
-            left: R::Ticks::splat(0),
-            to: 0,
+            left: R::Ticks::splat(0.0),
+            to: 0.0,
             periods: zero,
-            step: R::splat(f64::from(FIRST_STEP)),
+            step: R::splat(FIRST_PART_OF_PERIOD * R::PERIOD_TICKS),
             piece: zero,
             guess: [zero; 3],
             since: zero,
             extremes: [x; 2],
             under_resolved: zero,
             runaway: zero,
+            runaway_phase: one,
         };
         orbit.piece = orbit.piece_of(&system.rubbing);
         orbit.guess[0] = orbit.begin(system).acceleration;
@@ -98,8 +104,7 @@ impl<R: Real> Orbit<R> {
 
     /// Time since the start of the run.
     pub fn time(&self, system: &System<R>) -> R {
-        self.periods
-            .mul_add(system.period, R::splat(f64::from(self.to)) * system.tick)
+        self.periods.mul_add(system.period, R::splat(self.to) * system.tick)
     }
 
     /// u_w.
@@ -155,24 +160,31 @@ impl<R: Real> Orbit<R> {
             self.sin = zero;
             self.cos = one;
         }
-        let ticks = |parts_done: u32| (u64::from(TICKS) * u64::from(parts_done) / u64::from(parts)) as u32;
+        let ticks = |parts_done: u32| (R::PERIOD_TICKS * f64::from(parts_done) / f64::from(parts)).floor();
         let (from, to) = (ticks(part), ticks(part + 1));
         let alive = self.under_resolved.less(half).and(self.runaway.less(half));
-        self.left = R::select(alive, R::splat(f64::from(to - from)), zero).to_ticks();
+        self.left = R::select(alive, R::splat(to - from), zero).to_ticks();
         self.to = to;
         let mut passes = 0;
+        let longest_period = (0..R::LANES).fold(1.0, |long: f64, lane| long.max(system.long.lane(lane)));
+        let budget = (f64::from(PASS_BUDGET) * longest_period) as u32;
         while !self.left.all_zero() {
             self.pass(system, control, peaks, tangent.as_deref_mut(), scratch);
             passes += 1;
-            if passes == PASS_BUDGET {
+            if passes % SETTLING_PASSES == 0
+                && let Some(tangent) = tangent.as_deref_mut()
+            {
+                tangent.settle(system, R::from_ticks(self.left));
+            }
+            if passes == budget {
                 let unfinished = R::splat(0.5).less(R::from_ticks(self.left));
                 self.under_resolved = R::select(unfinished, R::splat(1.0), self.under_resolved);
-                self.left = R::Ticks::splat(0);
+                self.left = R::Ticks::splat(0.0);
             }
         }
         if part + 1 == parts {
             self.periods = self.periods + one;
-            self.to = 0;
+            self.to = 0.0;
         }
     }
 }

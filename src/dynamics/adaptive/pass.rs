@@ -10,22 +10,26 @@
 
 use std::f64::consts::TAU;
 
-use super::{Control, Orbit, PRESSURE_BOUND, Peaks, Scratch, System, TICKS, Tangent};
+use super::{Control, Orbit, PRESSURE_BOUND, Peaks, Scratch, System, Tangent};
 use crate::dynamics::decay::single;
 use crate::dynamics::matrix::at_nodes;
 use crate::dynamics::radau::{self, Drive, ERROR_WEIGHT, Memory, NODES, Start, Trial};
 use crate::lanes::{Mask, Real, Ticks};
+use crate::model::motion::RUNAWAY_BOUND;
 use crate::model::rubbing::Rubbing;
 
 /// Shortest step, in ticks.
 pub const SHORTEST_STEP: u32 = 2;
 
-/// The first step of a run.
-pub const FIRST_STEP: u32 = TICKS / 4096;
+/// The first step of a run, as a part of the period.
+pub const FIRST_PART_OF_PERIOD: f64 = 1.0 / 4096.0;
 
 /// The error of the pressure is relative down to this pressure, and absolute below: what grows from near 0 by its own heat,
 /// as with a ramp, keeps its relative errors.
 pub const PRESSURE_FLOOR: f64 = 1e-2;
+
+/// The error of v is relative above this speed.
+pub const LARGE_SPEED: f64 = 100.0;
 
 /// A trial is tried again where its error calls for a step of this part of it or less.
 pub const REJECTED: f64 = 0.9;
@@ -50,10 +54,10 @@ impl<R: Real> Orbit<R> {
         let running = R::splat(0.5).less(left);
         // lanes that wait for others try something harmless
         let ticks = R::from_ticks(self.step.to_ticks().least(self.left));
-        let ticks = R::select(running, ticks, R::splat(f64::from(FIRST_STEP)));
+        let ticks = R::select(running, ticks, R::splat(FIRST_PART_OF_PERIOD * R::PERIOD_TICKS));
         let h = ticks * system.tick;
 
-        let elapsed = (R::splat(f64::from(self.to)) - left) * system.tick;
+        let elapsed = (R::splat(self.to) - left) * system.tick;
         let start = self.begin(system);
         let (drive, turn) = self.drive(system, ticks, h, elapsed);
         let memory = Memory::new(
@@ -104,9 +108,10 @@ impl<R: Real> Orbit<R> {
         // a step cut short by the end of the period says nothing of the next one
         let free = R::select(ticks.less(self.step), self.step, ticks * longer);
         let next = R::select(kept, R::select(zero.less(moved), ticks * moved, free), ticks * again);
-        let next = R::from_ticks(next.min(control.longest).max(zero).to_ticks());
+        let longest = control.longest * R::splat(R::PERIOD_TICKS) / system.long;
+        let next = R::from_ticks(next.min(longest).max(zero).to_ticks());
         self.step = R::select(running, next, self.step);
-        self.give_up(running);
+        self.give_up(system, running, [start.x, start.shaft_speed - start.v], ticks);
     }
 
     /// Shaft speed and fit over a step of `h`: growth since its start, at the nodes. Growth, not values, so that f32
@@ -118,7 +123,7 @@ impl<R: Real> Orbit<R> {
             speed: [R::splat(0.0); 3],
             fit: [R::splat(0.0); 3],
         };
-        let angle = ticks * R::splat(TAU / f64::from(TICKS));
+        let angle = ticks * R::splat(TAU / R::PERIOD_TICKS);
         let turns = at_nodes!(i => rotation(angle * R::splat(NODES[i])));
         drive.speed = at_nodes!(i => system.rubbing.zeta_k * (self.cos * turns[i][0] - self.sin * turns[i][1]));
         if system.ramps {
@@ -141,7 +146,9 @@ impl<R: Real> Orbit<R> {
             (rubbing.epsilon * start.pressure).mul_add(rubbing.friction_slope(&start.piece, self.v), rubbing.damping);
         let forgets = weight.mul_add(rate.max(zero), one);
         let inside = (self.piece - R::splat(1.5)).abs().less(one);
-        let scale = R::select(inside, rubbing.epsilon_0.min(one), one);
+        // what runs away is as exact as it is large
+        let large = (self.v.abs() * R::splat(1.0 / LARGE_SPEED)).max(one);
+        let scale = R::select(inside, rubbing.layer, large);
         let pressure = start.pressure.abs() + R::splat(PRESSURE_FLOOR);
         let motion = (start.acceleration - radau::parabola(trial.acceleration)[0]).abs() * pressure;
         let heat = (start.flux - radau::parabola(trial.flux)[0]).abs() * rubbing.two_gamma * scale;
@@ -151,12 +158,15 @@ impl<R: Real> Orbit<R> {
         (allowed / error).sqrt().sqrt()
     }
 
-    /// Gives up lanes whose step has become too short or whose state is no longer a number of this world.
+    /// Gives up lanes whose step has become too short or whose state is no longer a number of this world. The last step was
+    /// of `ticks` from the state (x, y) `before`.
     #[inline(always)]
-    fn give_up(&mut self, running: R::Mask) {
+    fn give_up(&mut self, system: &System<R>, running: R::Mask, before: [R; 2], ticks: R) {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         // written so that NaN is given up
+        let size = self.x.abs() + self.y(system).abs();
         let bounded = self.heat.pressure.abs().less(R::splat(PRESSURE_BOUND));
+        let bounded = bounded.and(size.less(R::splat(RUNAWAY_BOUND)));
         let steps = R::splat(f64::from(SHORTEST_STEP)).less(self.step);
         let fine = bounded.and(steps);
         if fine.all() {
@@ -165,6 +175,12 @@ impl<R: Real> Orbit<R> {
         let left = R::from_ticks(self.left);
         let lost = R::select(running, R::select(fine, zero, one), zero);
         let ran_away = R::select(bounded, zero, lost);
+        // |x| + |y| grows nearly as an exponential over the step in which it reaches the bound
+        let (from, bound) = (before[0].abs() + before[1].abs(), R::splat(RUNAWAY_BOUND));
+        let part = ((bound / from).ln() / (size / from).ln()).max(zero).min(one);
+        let since = (one - part) * ticks + left;
+        let phase = (R::splat(self.to) - since) * R::splat(1.0 / R::PERIOD_TICKS);
+        self.runaway_phase = R::select(zero.less(ran_away), phase, self.runaway_phase);
         self.runaway = self.runaway.max(ran_away);
         self.under_resolved = self.under_resolved.max(lost - ran_away);
         self.left = R::select(lost.less(R::splat(0.5)), left, zero).to_ticks();

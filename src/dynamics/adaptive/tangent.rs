@@ -7,14 +7,18 @@ use super::kept::advanced;
 use super::{Orbit, Scratch, System};
 use crate::dynamics::matrix::at_nodes;
 use crate::dynamics::radau::{self, Heat, Memory, Perturbation, Start, Trial};
-use crate::dynamics::tangent::SMALLEST_SQUARE;
-use crate::lanes::Real;
+use crate::dynamics::tangent::{SMALLEST_SQUARE, Vector};
+use crate::lanes::{Mask, Real};
 
 /// A tangent vector of the full state.
 #[derive(Clone, Debug)]
 pub struct Tangent<R> {
     pub at: Perturbation<R>,
     pub modes: Vec<R>,
+    /// Logarithm of what its length was divided by since it was last normalised.
+    log: R,
+    /// Divergence of the flow of (x, y) at constant pressure, integrated over tau since it was last taken.
+    divergence: R,
 }
 
 impl<R: Real> Tangent<R> {
@@ -34,20 +38,67 @@ impl<R: Real> Tangent<R> {
                 flux: zero,
             },
             modes: vec![zero; modes],
+            log: zero,
+            divergence: zero,
         }
     }
 
-    /// Divides the vector by its norm and returns the norm. It is that of (X, Y) where there is wear, and else that of
+    /// Turns the vector to (X, Y), with the rest 0, where the pressure is constant.
+    pub fn turn(&mut self, to: Vector<R>) {
+        // the speed of the shaft is not disturbed
+        (self.at.x, self.at.v) = (to.x, -to.y);
+    }
+
+    /// Its part (X, Y).
+    pub fn in_plane(&self) -> Vector<R> {
+        Vector {
+            x: self.at.x,
+            y: -self.at.v,
+        }
+    }
+
+    /// The integral of the divergence since the last call.
+    pub fn take_divergence(&mut self) -> R {
+        std::mem::replace(&mut self.divergence, R::splat(0.0))
+    }
+
+    /// Divides the vector by its norm and returns the logarithm of its growth since the last call. The norm is that of (X, Y) where there is wear, and else that of
     /// (X, Y) and the heat modes, these in units of the pressure that they make (none where they feed nothing back).
     #[inline(always)]
     pub fn normalise(&mut self, system: &System<R>) -> R {
+        let norm = self.norm(system);
+        self.divide(norm);
+        std::mem::replace(&mut self.log, R::splat(0.0))
+    }
+
+    /// Divides the vector by its norm in lanes of which `left` is not 0 and whose norm is far from 1, before it leaves the
+    /// numbers.
+    #[inline(always)]
+    pub(super) fn settle(&mut self, system: &System<R>, left: R) {
+        let one = R::splat(1.0);
+        let norm = self.norm(system);
+        let near = R::splat(1e-8).less(norm).and(norm.less(R::splat(1e8)));
+        if near.all() {
+            return;
+        }
+        let stays = near.or(left.less(R::splat(0.5)));
+        self.divide(R::select(stays, one, norm));
+    }
+
+    #[inline(always)]
+    fn norm(&self, system: &System<R>) -> R {
         let mut square = self.at.x.mul_add(self.at.x, self.at.v * self.at.v);
         for (mode, weight) in self.modes.iter().zip(&system.weights) {
             let pressure = system.lasts * *mode * *weight;
             square = pressure.mul_add(pressure, square);
         }
         let smallest = R::splat(SMALLEST_SQUARE);
-        let norm = R::select(square.less(smallest), smallest, square).sqrt();
+        R::select(square.less(smallest), smallest, square).sqrt()
+    }
+
+    #[inline(always)]
+    fn divide(&mut self, norm: R) {
+        self.log = self.log + norm.ln();
         let inverse = R::splat(1.0) / norm;
         let at = &mut self.at;
         for value in [
@@ -63,7 +114,6 @@ impl<R: Real> Tangent<R> {
         {
             *value = *value * inverse;
         }
-        norm
     }
 }
 
@@ -92,6 +142,9 @@ impl<R: Real> Orbit<R> {
             free.falloff = system.rates[m].mul_add(left, free.falloff);
         }
         let memory = Memory { free, ..*memory };
+        let rates = trial.divergence(&system.rubbing);
+        let divergence = tangent.divergence + radau::integral(rates) * h;
+        tangent.divergence = R::select(kept, divergence, tangent.divergence);
         let (end, flux) = trial.perturbed(&system.rubbing, start, h, &memory, &tangent.at);
         let flux = radau::parabola(flux);
         let flux = at_nodes!(k => flux[k] * h);

@@ -171,6 +171,16 @@ impl<T: Number, const L: usize> Series<T, L> {
         polynomial(&self.v, s)
     }
 
+    /// dv/ds at s.
+    #[inline(always)]
+    pub fn v_slope_at(&self, s: T) -> T {
+        let mut value = T::constant((L - 1) as f64) * self.v[L - 1];
+        for n in (1..L - 1).rev() {
+            value = value.fused(s, T::constant(n as f64) * self.v[n]);
+        }
+        value
+    }
+
     /// The divergence integrated from 0 to s.
     #[inline(always)]
     pub fn divergence_to(&self, s: T) -> T {

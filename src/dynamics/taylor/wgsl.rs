@@ -4,17 +4,19 @@
 //! with it; `shaders/generated/taylor.wgsl` is a checked-in copy. Computes no number.
 
 use std::cell::RefCell;
+use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::growth::RENEWAL_STEPS;
+use super::growth::{COMFORTABLE, LARGEST, RENEWAL_STEPS};
 use super::number::Number;
 use super::series::{self, Local, Series};
 use super::{
-    AT_BOUNDARY, BEYOND, COEFFICIENTS, FREE_STEP, LAYER_STEP, LEAST_STEP, MAX_PASSES, ON_BOUNDARY, REACH,
-    SMALLEST_SLOPE_SQUARE, TICKS_PER_UNIT,
+    AT_BOUNDARY, BEYOND, COEFFICIENTS, FREE_STEP, LAYER_STEP, LEAST_TICKS, MAX_PASSES, MISSED, NO_LAYER, ON_BOUNDARY,
+    REACH, REFINEMENTS, SMALLEST_SLOPE_SQUARE, THIN, ticks_per_unit,
 };
 use crate::dynamics::tangent::Vector;
+use crate::lanes::Real;
 
 /// The text of one function's body: every operation adds a line.
 #[derive(Default)]
@@ -186,21 +188,29 @@ fn structure(name: &str, fields: impl Iterator<Item = String>) -> String {
 fn constants() -> String {
     let mut text = String::new();
     for (name, value) in [
-        ("LEAST_STEP", LEAST_STEP),
+        ("LEAST_TICKS", LEAST_TICKS),
         ("REACH", REACH),
         ("LAYER_STEP", LAYER_STEP),
         ("FREE_STEP", FREE_STEP),
         ("BEYOND", BEYOND),
         ("AT_BOUNDARY", AT_BOUNDARY),
         ("ON_BOUNDARY", ON_BOUNDARY),
-        ("TICKS_PER_UNIT", f64::from(TICKS_PER_UNIT)),
+        ("THIN", THIN),
+        ("MISSED", MISSED),
+        ("NO_LAYER", NO_LAYER),
+        ("TICKS_PER_UNIT", ticks_per_unit::<f32>()),
         ("SMALLEST_SLOPE_SQUARE", SMALLEST_SLOPE_SQUARE),
+        ("MAX_PASSES", MAX_PASSES.into()),
+        // periods in pi, given the unit of time
+        ("LONG_PER_UNIT", f64::from(series::UNITS_PER_PERIOD) / PI),
+        ("COMFORTABLE", COMFORTABLE),
+        ("LARGEST_LENGTH", LARGEST),
     ] {
         let _ = writeln!(text, "const {name}: f32 = {value:?};");
     }
-    let _ = writeln!(text, "const TICKS_PER_PERIOD: u32 = {}u;", super::TICKS_PER_PERIOD);
+    let _ = writeln!(text, "const TICKS_PER_PERIOD: u32 = {}u;", f32::PERIOD_TICKS as u32);
     let _ = writeln!(text, "const RENEWAL_STEPS: u32 = {RENEWAL_STEPS}u;");
-    let _ = writeln!(text, "const MAX_PASSES: u32 = {MAX_PASSES}u;\n");
+    let _ = writeln!(text, "const REFINEMENTS: u32 = {REFINEMENTS}u;\n");
     text
 }
 
@@ -278,6 +288,7 @@ pub fn source() -> String {
     text += &evaluation(&body(), "x_at", |series, s| series.x_at(s));
     text += &evaluation(&body(), "w_at", |series, s| series.w_at(s));
     text += &evaluation(&body(), "v_at", |series, s| series.v_at(s));
+    text += &evaluation(&body(), "v_slope_at", |series, s| series.v_slope_at(s));
     text += &evaluation(&body(), "divergence_to", |series, s| series.divergence_to(s));
     text += &vector_at();
     text += "\n";

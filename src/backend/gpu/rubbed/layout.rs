@@ -215,7 +215,7 @@ impl Orbit {
             x_min: self.x_min.into(),
             x_max: self.x_max.into(),
             candidates: self.candidates,
-            runaway_period: (self.runaway > 0).then_some(self.given_up_period),
+            runaway_periods: (self.runaway > 0).then_some(self.given_up_period.into()),
             under_resolved: self.under_resolved > 0,
             contact: Contact {
                 lost: (self.lost_periods >= 0.0).then(|| tau(self.lost_periods, self.lost_time)),
@@ -239,9 +239,10 @@ pub struct Totals {
 impl From<Totals> for Sums {
     fn from(totals: Totals) -> Self {
         Self {
-            growth: [totals.growth.into(), 0.0],
+            growth: [totals.growth.into(), f64::NAN],
             birkhoff: totals.birkhoff.into(),
-            divergence: 0.0,
+            // not summed up: the tangent space has more dimensions than two
+            divergence: f64::NAN,
         }
     }
 }

@@ -4,14 +4,15 @@
 
 use super::super::shader_source::write_out;
 use super::layout;
+use crate::dynamics::adaptive::PRESSURE_BOUND;
 use crate::dynamics::adaptive::events::{CUT, FIRST_PART};
 use crate::dynamics::adaptive::kept::ROUGH;
 use crate::dynamics::adaptive::orbit::PASS_BUDGET;
 use crate::dynamics::adaptive::pass::{PRESSURE_FLOOR, REJECTED, SAFETY, SHORTEST_STEP};
-use crate::dynamics::adaptive::{PRESSURE_BOUND, TICKS};
 use crate::dynamics::radau::{ERROR_WEIGHT, MAX_ITERATIONS};
 use crate::dynamics::stroboscope::MAX_PERIOD;
 use crate::dynamics::tangent::SMALLEST_SQUARE;
+use crate::lanes::Real;
 use crate::measurement::RUNAWAY_BOUND;
 
 macro_rules! pieces {
@@ -72,7 +73,7 @@ pub fn constants(workgroup_size: u32, carries_tangent: bool) -> [(&'static str, 
         ("MAX_PERIOD", MAX_PERIOD as f64),
         ("ERROR_WEIGHT", ERROR_WEIGHT),
         ("MAX_ITERATIONS", f64::from(MAX_ITERATIONS)),
-        ("TICKS", f64::from(TICKS)),
+        ("TICKS", f32::PERIOD_TICKS),
         ("SHORTEST_STEP", f64::from(SHORTEST_STEP)),
         ("PASS_BUDGET", f64::from(PASS_BUDGET)),
         ("PRESSURE_BOUND", PRESSURE_BOUND),

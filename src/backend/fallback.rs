@@ -1,0 +1,130 @@
+//! What a scheme could not finish, by the one that can: radau in f64, on the CPU.
+//!
+//! Owns which measurements are made anew, and what is taken of them. A scheme of explicit steps is held up by motion that is
+//! far stiffer than it is fast: a bush that sticks in a thin friction layer, strong damping, an escape against friction that
+//! grows with the speed. Radau's steps are as long as the motion is smooth. It also tells within a period when an orbit ran
+//! away, which the others notice at its end.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+
+use super::cpu::CpuBackend;
+use super::run::measure_lasting;
+use super::{Backend, BackendError, Slice, Stage};
+use crate::experiment::{Precision, Scheme, Settings};
+use crate::measurement::{BackendKind, Measurement, Status};
+use crate::parameters::{Parameter, ParameterSet};
+
+/// Error of a step where an exponent is measured.
+const TOLERANCE: f64 = 1e-8;
+
+/// Most forcing periods over which an orbit is followed from its start to where it runs away; after more of them number types
+/// and schemes differ by too much, and it is followed from the beginning of the period at whose end it was noticed.
+const MOST_ESCAPE_PERIODS: u32 = 512;
+
+/// Completes the measurements of instances of constant contact pressure by the scheme of `settings`. None if `progress` broke
+/// it off.
+///
+/// - Where an orbit ran away, the time is found within the period.
+/// - What is under-resolved is measured anew. Of rk4, whose steps were asked for as they are, only an escape is taken.
+///
+/// # Errors
+/// If the CPU backend fails.
+pub(super) fn complete(
+    settings: &Settings,
+    instances: &[ParameterSet],
+    measured: &mut [Measurement],
+    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Result<Option<()>, BackendError> {
+    let scheme = settings.scheme();
+    let is_radau_f64 =
+        |measurement: &Measurement| scheme == Scheme::Radau && measurement.backend == BackendKind::CpuF64;
+    let indices = |wanted: &dyn Fn(&Measurement) -> bool| -> Vec<usize> {
+        let chosen = measured
+            .iter()
+            .enumerate()
+            .filter(|(_, m)| wanted(m) && !is_radau_f64(m));
+        chosen.map(|(index, _)| index).collect()
+    };
+    let given_up = indices(&|m| m.status == Status::UnderResolved);
+    let escaped = indices(&|m| matches!(m.status, Status::Runaway { .. }));
+    let mut backend = CpuBackend::new(Precision::F64);
+    // by the number of periods that they are followed over
+    let mut escapes: BTreeMap<u32, Vec<(usize, u32, ParameterSet)>> = BTreeMap::new();
+
+    let settings = Settings {
+        scheme: Some(Scheme::Radau),
+        steps_per_period: None,
+        tolerance: settings.tolerance.min(TOLERANCE),
+        precision: Some(Precision::F64),
+        ..settings.clone()
+    };
+    if !given_up.is_empty() {
+        let chosen: Vec<_> = given_up.iter().map(|&index| instances[index]).collect();
+        // it was reported as done before
+        let mut unheard = |_| progress(0);
+        let Some(anew) = measure_lasting(&mut backend, &settings, &chosen, &mut unheard)? else {
+            return Ok(None);
+        };
+        for (&index, anew) in given_up.iter().zip(anew) {
+            let is_escape = matches!(anew.status, Status::Runaway { .. });
+            if is_escape || scheme != Scheme::Rk4 {
+                measured[index] = Measurement {
+                    integrated_periods: anew.integrated_periods + measured[index].integrated_periods,
+                    ..anew
+                };
+            }
+        }
+    }
+    for &index in &escaped {
+        let Status::Runaway { time } = measured[index].status else {
+            continue;
+        };
+        let set = &instances[index];
+        let noticed = (time / set.forcing_period()).round() as u32;
+        let (start, before) = match noticed > MOST_ESCAPE_PERIODS {
+            true => (noticed - 1, last_state(set, &measured[index])),
+            false => (0, *set),
+        };
+        escapes
+            .entry(noticed + 1 - start)
+            .or_default()
+            .push((index, start, before));
+    }
+    for (periods, escapes) in escapes {
+        locate(&mut backend, &settings, periods, &escapes, measured)?;
+    }
+    Ok(Some(()))
+}
+
+/// The instance from its last stroboscopic state on.
+fn last_state(set: &ParameterSet, measurement: &Measurement) -> ParameterSet {
+    set.with(Parameter::X0, measurement.x)
+        .with(Parameter::Y0, measurement.y)
+}
+
+/// Finds when orbits ran away, within some periods: of each its index, the period that it is followed from, and the instance
+/// as it was then.
+fn locate(
+    backend: &mut CpuBackend,
+    settings: &Settings,
+    periods: u32,
+    escapes: &[(usize, u32, ParameterSet)],
+    measured: &mut [Measurement],
+) -> Result<(), BackendError> {
+    let instances: Vec<_> = escapes.iter().map(|escape| escape.2).collect();
+    backend.load(settings, &instances)?;
+    backend.advance(&Slice {
+        stage: Stage::Transient,
+        first: 0,
+        periods,
+        elapsed: 0,
+    })?;
+    for (&(index, start, set), end) in escapes.iter().zip(backend.end_states()?) {
+        if let Some(periods) = end.runaway_periods {
+            let time = (f64::from(start) + periods) * set.forcing_period();
+            measured[index].status = Status::Runaway { time };
+        }
+    }
+    Ok(())
+}
