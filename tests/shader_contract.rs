@@ -192,6 +192,25 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
     ("dynamics/divergence_check", "alike", "the host sizes the dispatches"),
     ("dynamics/tangent", "from_lanes", "threads have no lanes"),
     ("dynamics/tangent", "lane", "threads have no lanes"),
+    ("dynamics/adaptive/tangent", "turn", "the host starts the vectors"),
+    ("dynamics/adaptive/tangent", "in_plane", "the host reads the vectors"),
+    (
+        "dynamics/adaptive/tangent",
+        "take_divergence",
+        "only the CPU sums the divergence up",
+    ),
+    ("dynamics/radau", "divergence", "only the CPU sums the divergence up"),
+    ("dynamics/taylor", "ticks_per_unit", "the shader has one number type"),
+    (
+        "dynamics/taylor",
+        "is_layer_resolved",
+        "the host marks what is not resolved",
+    ),
+    (
+        "model/friction",
+        "thinnest_layer",
+        "the host marks what is not resolved",
+    ),
     ("dynamics/taylor", "unit_of_time", "the host gives it to the shader"),
     ("dynamics/taylor", "longest_step", "the host gives it to the shader"),
     (

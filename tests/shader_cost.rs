@@ -5,7 +5,7 @@
 use naga::{BinaryOperator, Block, Expression, Function, Handle, MathFunction, Module, Statement, TypeInner};
 use tribochaos::backend::gpu::shader_source::{Lanes, Shader};
 use tribochaos::benchmark;
-use tribochaos::dynamics::taylor::{self, COEFFICIENTS, Flow, TICKS_PER_PERIOD};
+use tribochaos::dynamics::taylor::{self, COEFFICIENTS, Flow};
 use tribochaos::experiment::Scheme;
 use tribochaos::lanes::{Real, Ticks};
 use tribochaos::parameters::Parameter;
@@ -107,15 +107,14 @@ fn steps_per_period() -> f64 {
     let periods = 20;
     let mut steps = 0;
     for p in &points {
-        let omega_0 = p[Parameter::Omega0];
-        let unit = taylor::unit_of_time(omega_0) as f32;
-        let longest = taylor::longest_step(omega_0, Scheme::Taylor.default_steps_per_period()) as f32;
+        let unit = taylor::unit_of_time(p[Parameter::Omega0]) as f32;
+        let longest = taylor::longest_step(p, Scheme::Taylor.default_steps_per_period()) as f32;
         let flow = Flow::<f32>::new(|parameter| p[parameter] as f32, unit, longest);
         let (mut x, mut y) = (p[Parameter::X0] as f32, p[Parameter::Y0] as f32);
         for period in 0..10 + periods {
-            let mut state = flow.start(x, y * unit, f32::splat(f64::from(TICKS_PER_PERIOD)).to_ticks());
+            let mut state = flow.start(x, y * unit, Ticks::splat(f32::PERIOD_TICKS));
             while !state.left.all_zero() {
-                (_, state) = taylor::step::<f32, COEFFICIENTS>(&flow, &state);
+                (_, state) = taylor::step::<f32, COEFFICIENTS, false>(&flow, &state);
                 steps += u32::from(period >= 10);
             }
             (x, y) = (state.x, state.w / unit);

@@ -9,7 +9,7 @@ use tribochaos::dynamics::rk4::{self, StageSpeeds, State, StepSize};
 use tribochaos::dynamics::tangent::{Bases, Vector};
 use tribochaos::dynamics::taylor::{self, COEFFICIENTS, Flow};
 use tribochaos::experiment::{Scheme, Settings};
-use tribochaos::lanes::Ticks;
+use tribochaos::lanes::{Real, Ticks};
 use tribochaos::measurement::RUNAWAY_BOUND;
 use tribochaos::model::friction::Friction;
 use tribochaos::model::motion::Motion;
@@ -317,8 +317,8 @@ fn assert_taylor_steps(samples: &[[f32; 16]], probes: &[[f32; 9]]) {
             other => unreachable!("the equations of motion do not contain {other}"),
         };
         let flow = Flow::<f32>::new(value, sample[10], sample[9]);
-        let start = flow.start(sample[11], sample[12], Ticks::splat(taylor::TICKS_PER_PERIOD));
-        let (step, end) = taylor::step::<f32, COEFFICIENTS>(&flow, &start);
+        let start = flow.start(sample[11], sample[12], Ticks::splat(f32::PERIOD_TICKS));
+        let (step, end) = taylor::step::<f32, COEFFICIENTS, true>(&flow, &start);
         let first = Vector {
             x: sample[14],
             y: sample[15],
@@ -329,7 +329,7 @@ fn assert_taylor_steps(samples: &[[f32; 16]], probes: &[[f32; 9]]) {
             end.x,
             end.w,
             end.piece,
-            end.left as f32 / taylor::TICKS_PER_UNIT as f32,
+            end.left as f32 / taylor::ticks_per_unit::<f32>() as f32,
             taylor::turning(&step, &end),
             vector.x,
             vector.y,

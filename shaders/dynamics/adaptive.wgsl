@@ -14,6 +14,8 @@ struct System {
     // Forcing period in units of tau, and ticks to tau.
     period: f32,
     tick: f32,
+    // The period over pi where it is longer, else 1: by so much more steps it is divided into.
+    long: f32,
     surface_temperature: f32,
     // Where there is wear, the tangent vector lives until contact is lost, and no longer.
     lasts: bool,
@@ -24,6 +26,7 @@ fn system_new(value: Parameters) -> System {
         rubbing_new(value),
         value.period,
         value.period * (1.0 / f32(TICKS)),
+        max(value.period * (2.0 / TAU), 1.0),
         value.surface_temperature,
         !(value.k_w > 0.0),
     );

@@ -294,7 +294,7 @@ fn solve(rubbing: Rubbing, start: Start, drive: Drive, memory: Memory, guess: ve
         ));
         correction = trial.newton * residual;
         v = v - correction;
-        let bound = closeness * max(abs(v), vec3(rubbing.epsilon_0));
+        let bound = closeness * max(abs(v), vec3(rubbing.layer));
         trial.converged = all(are_below(abs(correction), bound));
         if (trial.converged) {
             break;

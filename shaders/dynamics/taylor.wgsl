@@ -100,13 +100,18 @@ fn taylor_step(flow: Flow, state: State) -> Step {
         v,
     ));
     let trial = trial_step(flow, piece, series, state.left);
-    let leave = leave_piece(flow, piece, series, trial);
+    let leave = piece_leave(flow, piece, series, trial);
     var at = leave.at;
     if (is_any(flow.thin)) {
         at = refined(flow, series, leave);
     }
 
-    let ticks = min(Word(max(at * TICKS_PER_UNIT, Real(LEAST_TICKS))), state.left);
+    return step_end(state, series, at, leave.change);
+}
+
+// A step of about `length`, in whole ticks, and the state that it ends in, on a piece `change` further.
+fn step_end(state: State, series: Series, length: Real, change: Real) -> Step {
+    let ticks = min(Word(max(length * TICKS_PER_UNIT, Real(LEAST_TICKS))), state.left);
     let s = Real(ticks) / TICKS_PER_UNIT;
     let drive = rotated(state.drive, state.drive_slope, s);
     // a series that overflows is no number even at its start
@@ -116,7 +121,7 @@ fn taylor_step(flow: Flow, state: State) -> Step {
         update(state.w, w_at(series, s), runs),
         drive.sin_z,
         drive.cos_z,
-        state.piece + leave.change,
+        state.piece + change,
         state.left - ticks,
     );
     return Step(series, s, end);
@@ -141,7 +146,7 @@ fn trial_step(flow: Flow, piece: Piece, series: Series, ticks_left: Word) -> Rea
 }
 
 // Where v leaves the piece on the way to the trial step's end; the trial step itself if it does not.
-fn leave_piece(flow: Flow, piece: Piece, series: Series, trial: Real) -> Leave {
+fn piece_leave(flow: Flow, piece: Piece, series: Series, trial: Real) -> Leave {
     let margin = BEYOND * flow.epsilon_0;
     let lower = piece.lower - margin;
     let upper = piece.upper + margin;

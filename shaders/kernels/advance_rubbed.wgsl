@@ -1,8 +1,11 @@
 // Carries the rubbed bush on by some forcing periods, one thread an instance, with a tangent vector or without; where
 // they are measured, sums up growth and compares stroboscopic states.
 
-// Passes that a period may take: beyond, it is under-resolved.
-override PASS_BUDGET: u32;
+// Passes that a period may take, and one longer than pi as many more: beyond, it is under-resolved.
+override PASS_BUDGET: f32;
+
+// Passes after which it is seen to that the tangent vector's length does not leave the numbers.
+override SETTLING_PASSES: u32;
 
 // Begins a forcing period.
 fn begin_period(orbit: ptr<function, Orbit>) {
@@ -30,15 +33,20 @@ fn advance_rubbed(@builtin(global_invocation_id) thread: vec3<u32>) {
         orbit.x_min = orbit.x;
         orbit.x_max = orbit.x;
     }
+    let budget = u32(PASS_BUDGET * system.long);
     var passes = 0u;
     var period = 0u;
+    var growth = 0.0;
     // one flat loop: threads whose periods end at different passes do not wait for each other
     begin_period(&orbit);
     loop {
         orbit_pass(&orbit, system, CARRIES_TANGENT);
         passes++;
         if (orbit.left != 0u) {
-            if (passes < PASS_BUDGET) {
+            if (CARRIES_TANGENT && passes % SETTLING_PASSES == 0u) {
+                growth += settle(&orbit, system);
+            }
+            if (passes < budget) {
                 continue;
             }
             orbit.under_resolved = 1u;
@@ -53,9 +61,8 @@ fn advance_rubbed(@builtin(global_invocation_id) thread: vec3<u32>) {
             break;
         }
         orbit.periods += 1.0;
-        var growth = 0.0;
         if (CARRIES_TANGENT) {
-            growth = log(normalise(&orbit, system));
+            growth += normalise(&orbit, system);
         }
         if (span.measured != 0u) {
             let index = span.first + period;
@@ -71,6 +78,7 @@ fn advance_rubbed(@builtin(global_invocation_id) thread: vec3<u32>) {
             break;
         }
         passes = 0u;
+        growth = 0.0;
         begin_period(&orbit);
     }
     store_modes(instance);

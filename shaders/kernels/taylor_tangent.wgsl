@@ -40,17 +40,15 @@ fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
                 area.second = update_vector(area.second, vector_at(step.series, area.second, step.s), runs);
             }
             if (taken % RENEWAL_STEPS == 0u) {
-                let length = uncomfortable_length(first, runs);
                 if (IS_CHECKED) {
                     let renewed = renew(area, first.vector, runs);
                     area.second = update_vector(area.second, renewed.second, runs);
                     area.product = update(area.product, renewed.product, runs);
                     area.log_product = update(area.log_product, renewed.log_product, runs);
-                    area = stretched(area, length);
                 }
-                if (is_any(length != Real(1.0))) {
-                    first = divided(first, length);
-                }
+                let settled = carried_settle(first, area, runs);
+                first = settled.carried;
+                area = settled.area;
             }
             divergence = update(divergence, divergence + divergence_to(step.series, step.s), runs);
             orbit.x_min = min(orbit.x_min, min(turn, step.end.x));
@@ -60,10 +58,10 @@ fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
                 break if !is_any(state.left != Word(0u)) || taken == most;
             }
         }
-        let closed = close(first, 1.0 / unit);
+        let closed = carried_close(first, 1.0 / unit);
         var growth: Growth;
         if (IS_CHECKED) {
-            let area_growth = close_area(area, first.vector);
+            let area_growth = area_close(area, first.vector);
             growth = checked_growth(Growth(closed.growth, area_growth - closed.growth), divergence);
         } else {
             growth = growth_of_first(closed.growth, divergence);

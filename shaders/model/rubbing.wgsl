@@ -23,11 +23,18 @@ struct Rubbing {
     two_gamma: f32,
     // delta of the fit h_U = 1 - exp(-delta tau^2).
     ramp_rate: f32,
+    // Half-width of the friction layer; NO_LAYER where there is no dry friction.
     epsilon_0: f32,
+    // The same, but 1 at most: what v is measured by in the layer.
+    layer: f32,
     friction: Friction,
 }
 
+// Stands for the half-width of a layer that is not there: no speed reaches its boundaries.
+const NO_LAYER = 1e30;
+
 fn rubbing_new(value: Parameters) -> Rubbing {
+    let epsilon_0 = select(NO_LAYER, value.epsilon_0, 0.0 < value.epsilon * value.f_0);
     return Rubbing(
         -value.b,
         -3.0 * value.b,
@@ -38,8 +45,9 @@ fn rubbing_new(value: Parameters) -> Rubbing {
         value.k_w,
         2.0 * value.gamma,
         value.ramp_rate,
-        value.epsilon_0,
-        friction_new(1.0, value.f_0, value.alpha, value.beta, value.epsilon_0),
+        epsilon_0,
+        min(epsilon_0, 1.0),
+        friction_new(1.0, value.f_0, value.alpha, value.beta, epsilon_0),
     );
 }
 

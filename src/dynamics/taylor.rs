@@ -48,7 +48,7 @@ pub const REACH: f64 = 1.1;
 pub const LAYER_STEP: f64 = 0.35;
 
 /// Outside, a step is at most this over the rates met at its start.
-pub const FREE_STEP: f64 = 1.2;
+pub const FREE_STEP: f64 = 2.0;
 
 /// At most this over the rate of the linear damping is a step long, at the usual number of steps: with it the fast one of two
 /// exponents is as good as the slow one.

@@ -68,6 +68,7 @@ impl Real for Dual {
     type Scalar = f64;
     type Half = Self;
     const LANES: usize = 1;
+    const PERIOD_TICKS: f64 = f32::PERIOD_TICKS;
 
     fn half(self, _: usize) -> Self {
         self

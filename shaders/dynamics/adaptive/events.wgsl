@@ -60,11 +60,11 @@ fn orbit_cut(orbit: ptr<function, Orbit>, rubbing: Rubbing, start: Start, trial:
 
 // The piece of the friction law that v is on; in the gap there is none.
 fn orbit_bounds(orbit: ptr<function, Orbit>, rubbing: Rubbing) -> vec2<f32> {
-    let gap = (*orbit).contact < 0.5;
+    let free = (*orbit).contact < 0.5 || 0.5 * NO_LAYER < rubbing.epsilon_0;
     let piece = (*orbit).piece;
     return vec2(
-        select((piece - 2.0) * rubbing.epsilon_0, -FAR, gap || piece < 0.5),
-        select((piece - 1.0) * rubbing.epsilon_0, FAR, gap || piece > 2.5),
+        select((piece - 2.0) * rubbing.epsilon_0, -FAR, free || piece < 0.5),
+        select((piece - 1.0) * rubbing.epsilon_0, FAR, free || piece > 2.5),
     );
 }
 

@@ -9,6 +9,9 @@ override PRESSURE_BOUND: f32;
 // The error of the pressure is relative down to this pressure, and absolute below.
 override PRESSURE_FLOOR: f32;
 
+// The error of v is relative above this speed.
+override LARGE_SPEED: f32;
+
 // A trial is tried again where its error calls for a step of this part of it or less.
 override REJECTED: f32;
 
@@ -77,8 +80,8 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
         let free = select(length * longer, (*orbit).step, length < (*orbit).step);
         next = select(free, length * moved, 0.0 < moved);
     }
-    (*orbit).step = f32(u32(clamp(next, 0.0, run.longest)));
-    give_up(orbit);
+    (*orbit).step = f32(u32(clamp(next, 0.0, run.longest * f32(TICKS) / system.long)));
+    give_up(orbit, system);
 }
 
 // Shaft speed and fit over a step of `h`: growth since its start, at the nodes. Growth, not values, so that the digits
@@ -108,7 +111,9 @@ fn orbit_growth(orbit: ptr<function, Orbit>, rubbing: Rubbing, start: Start, tri
     let rate = fma(rubbing.epsilon * start.pressure, slope, rubbing.damping);
     let forgets = fma(weight, max(rate, 0.0), 1.0);
     let inside = abs((*orbit).piece - 1.5) < 1.0;
-    let scale = select(1.0, min(rubbing.epsilon_0, 1.0), inside);
+    // what runs away is as exact as it is large
+    let large = max(abs((*orbit).v) / LARGE_SPEED, 1.0);
+    let scale = select(large, rubbing.layer, inside);
     let pressure = abs(start.pressure) + PRESSURE_FLOOR;
     let motion = abs(start.acceleration - parabola(trial.acceleration)[0]) * pressure;
     let heat = abs(start.flux - parabola(trial.flux)[0]) * rubbing.two_gamma * scale;
@@ -119,8 +124,9 @@ fn orbit_growth(orbit: ptr<function, Orbit>, rubbing: Rubbing, start: Start, tri
 }
 
 // Gives the orbit up if its step has become too short or its state is no longer a number of this world.
-fn give_up(orbit: ptr<function, Orbit>) {
-    if (!is_below(abs((*orbit).heat_pressure), PRESSURE_BOUND)) {
+fn give_up(orbit: ptr<function, Orbit>, system: System) {
+    let y = fma(system.rubbing.zeta_k, (*orbit).sine, system.rubbing.omega_k) - (*orbit).v;
+    if (!is_below(abs((*orbit).heat_pressure), PRESSURE_BOUND) || has_run_away((*orbit).x, y)) {
         (*orbit).runaway = 1u;
         (*orbit).left = 0u;
     } else if ((*orbit).step <= SHORTEST_STEP) {

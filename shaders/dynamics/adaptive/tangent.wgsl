@@ -3,16 +3,36 @@
 // Smallest squared norm, in the range of normal numbers.
 override SMALLEST_SQUARE: f32;
 
-// Divides the tangent vector by its norm and returns the norm. It is that of (X, Y) where there is wear, and else that of
-// (X, Y) and the heat modes, these in units of the pressure that they make (none where they feed nothing back).
+// Divides the tangent vector by its norm and returns the logarithm of that. The norm is that of (X, Y) where there is wear, and
+// else that of (X, Y) and the heat modes, these in units of the pressure that they make (none where they feed nothing back).
 fn normalise(orbit: ptr<function, Orbit>, system: System) -> f32 {
+    let norm = tangent_norm(orbit, system);
+    divide(orbit, norm);
+    return log(norm);
+}
+
+// Divides the vector by its norm if that is far from 1, before it leaves the numbers, and returns the logarithm of what it was
+// divided by.
+fn settle(orbit: ptr<function, Orbit>, system: System) -> f32 {
+    let norm = tangent_norm(orbit, system);
+    if (1e-8 < norm && norm < 1e8) {
+        return 0.0;
+    }
+    divide(orbit, norm);
+    return log(norm);
+}
+
+fn tangent_norm(orbit: ptr<function, Orbit>, system: System) -> f32 {
     let with_heat = select(0.0, 1.0, system.lasts);
     var square = fma((*orbit).tangent_x, (*orbit).tangent_x, (*orbit).tangent_v * (*orbit).tangent_v);
     for (var m = 0u; m < HEAT_MODES; m++) {
         let pressure = with_heat * tangent_modes[m] * weights[m];
         square = fma(pressure, pressure, square);
     }
-    let norm = sqrt(select(square, SMALLEST_SQUARE, square < SMALLEST_SQUARE));
+    return sqrt(select(square, SMALLEST_SQUARE, square < SMALLEST_SQUARE));
+}
+
+fn divide(orbit: ptr<function, Orbit>, norm: f32) {
     let inverse = 1.0 / norm;
     (*orbit).tangent_x *= inverse;
     (*orbit).tangent_v *= inverse;
@@ -23,7 +43,6 @@ fn normalise(orbit: ptr<function, Orbit>, system: System) -> f32 {
     for (var m = 0u; m < HEAT_MODES; m++) {
         tangent_modes[m] *= inverse;
     }
-    return norm;
 }
 
 // Carries the tangent vector over a kept step.

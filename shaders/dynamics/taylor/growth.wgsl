@@ -13,6 +13,12 @@ struct Area {
     log_product: Real,
 }
 
+// A vector, and the area that it spans with the second.
+struct Settled {
+    carried: Carried,
+    area: Area,
+}
+
 // The first vector at length 1, and the logarithm of its growth.
 struct Closed {
     vector: Vector,
@@ -33,12 +39,17 @@ fn carried_new(vector: Vector) -> Carried {
     return Carried(vector, Real(0.0));
 }
 
-// By what a vector's length is to be divided.
-fn uncomfortable_length(carried: Carried, goes_on: Mask) -> Real {
-    return divisor(abs(carried.vector.x) + abs(carried.vector.y), goes_on);
+// Brings the vector to a length of about 1 where it is far from it. An area that it spans stays the same.
+fn carried_settle(carried: Carried, area: Area, goes_on: Mask) -> Settled {
+    let length = divisor(abs(carried.vector.x) + abs(carried.vector.y), goes_on);
+    if (!is_any(length != Real(1.0))) {
+        return Settled(carried, area);
+    }
+    let second = Vector(area.second.x * length, area.second.y * length);
+    return Settled(carried_divide(carried, length), Area(second, area.product, area.log_product));
 }
 
-fn divided(carried: Carried, length: Real) -> Carried {
+fn carried_divide(carried: Carried, length: Real) -> Carried {
     let inverse = 1.0 / length;
     let vector = Vector(carried.vector.x * inverse, carried.vector.y * inverse);
     return Carried(vector, carried.log_length + log(length));
@@ -46,7 +57,7 @@ fn divided(carried: Carried, length: Real) -> Carried {
 
 // Ends the period: the vector at length 1 in units of tau, and the logarithm of its growth. Vectors have speeds in units of
 // time, whose inverse is given.
-fn close(carried: Carried, inverse_unit: Real) -> Closed {
+fn carried_close(carried: Carried, inverse_unit: Real) -> Closed {
     let x = carried.vector.x;
     let y = carried.vector.y * inverse_unit;
     // a vector of length 0 stays one; what has overflowed shows
@@ -68,13 +79,8 @@ fn renew(area: Area, first: Vector, goes_on: Mask) -> Area {
     return Area(across(first), product / by, area.log_product + log(by));
 }
 
-// The second vector made longer by as much as the first was divided by: the area stays the same.
-fn stretched(area: Area, length: Real) -> Area {
-    return Area(Vector(area.second.x * length, area.second.y * length), area.product, area.log_product);
-}
-
 // The logarithm of the area that the vectors span at the period's end, over that at its beginning.
-fn close_area(area: Area, first: Vector) -> Real {
+fn area_close(area: Area, first: Vector) -> Real {
     let measured = area.product * spanned(first, area.second);
     return area.log_product + log(select(measured, Real(SMALLEST_SQUARE), measured < Real(SMALLEST_SQUARE)));
 }

@@ -9,10 +9,10 @@ use crate::dynamics::radau::{Heat, ModeStep, Start};
 use crate::lanes::{Mask, Real, Ticks};
 
 /// Passes that a period may take, and one longer than pi as many more: beyond, it is under-resolved.
-pub const PASS_BUDGET: u32 = 20_000;
+pub const PASS_BUDGET: u32 = 100_000;
 
 /// Passes after which it is seen to that no tangent vector's length leaves the numbers.
-const SETTLING_PASSES: u32 = 16;
+pub const SETTLING_PASSES: u32 = 16;
 
 /// State of an instance.
 #[derive(Clone, Debug)]

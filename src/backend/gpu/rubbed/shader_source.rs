@@ -7,8 +7,8 @@ use super::layout;
 use crate::dynamics::adaptive::PRESSURE_BOUND;
 use crate::dynamics::adaptive::events::{CUT, FIRST_PART};
 use crate::dynamics::adaptive::kept::ROUGH;
-use crate::dynamics::adaptive::orbit::PASS_BUDGET;
-use crate::dynamics::adaptive::pass::{PRESSURE_FLOOR, REJECTED, SAFETY, SHORTEST_STEP};
+use crate::dynamics::adaptive::orbit::{PASS_BUDGET, SETTLING_PASSES};
+use crate::dynamics::adaptive::pass::{LARGE_SPEED, PRESSURE_FLOOR, REJECTED, SAFETY, SHORTEST_STEP};
 use crate::dynamics::radau::{ERROR_WEIGHT, MAX_ITERATIONS};
 use crate::dynamics::stroboscope::MAX_PERIOD;
 use crate::dynamics::tangent::SMALLEST_SQUARE;
@@ -64,7 +64,7 @@ pub fn source(modes: u32) -> String {
 }
 
 /// Values of the shader's `override` constants, so that each is defined in one place.
-pub fn constants(workgroup_size: u32, carries_tangent: bool) -> [(&'static str, f64); 17] {
+pub fn constants(workgroup_size: u32, carries_tangent: bool) -> [(&'static str, f64); 19] {
     [
         ("WORKGROUP_SIZE", f64::from(workgroup_size)),
         ("CARRIES_TANGENT", f64::from(u8::from(carries_tangent))),
@@ -76,6 +76,8 @@ pub fn constants(workgroup_size: u32, carries_tangent: bool) -> [(&'static str, 
         ("TICKS", f32::PERIOD_TICKS),
         ("SHORTEST_STEP", f64::from(SHORTEST_STEP)),
         ("PASS_BUDGET", f64::from(PASS_BUDGET)),
+        ("SETTLING_PASSES", f64::from(SETTLING_PASSES)),
+        ("LARGE_SPEED", LARGE_SPEED),
         ("PRESSURE_BOUND", PRESSURE_BOUND),
         ("CUT", CUT),
         ("FIRST_PART", FIRST_PART),
