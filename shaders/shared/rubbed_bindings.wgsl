@@ -95,6 +95,8 @@ struct Orbit {
     under_resolved: u32,
     runaway: u32,
     given_up_period: u32,
+    // When it ran away, as a part of that period.
+    runaway_phase: f32,
 }
 
 // One instance's sums over measured periods since they were last collected.

@@ -81,7 +81,7 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
         next = select(free, length * moved, 0.0 < moved);
     }
     (*orbit).step = f32(u32(clamp(next, 0.0, run.longest * f32(TICKS) / system.long)));
-    give_up(orbit, system);
+    give_up(orbit, system, abs(start.x) + abs(start.shaft_speed - start.v), length);
 }
 
 // Shaft speed and fit over a step of `h`: growth since its start, at the nodes. Growth, not values, so that the digits
@@ -123,11 +123,16 @@ fn orbit_growth(orbit: ptr<function, Orbit>, rubbing: Rubbing, start: Start, tri
     return sqrt(sqrt(allowed / error));
 }
 
-// Gives the orbit up if its step has become too short or its state is no longer a number of this world.
-fn give_up(orbit: ptr<function, Orbit>, system: System) {
+// Gives the orbit up if its step has become too short or its state is no longer a number of this world. The last step was of
+// `ticks` from a state of the size |x| + |y| `size_before`.
+fn give_up(orbit: ptr<function, Orbit>, system: System, size_before: f32, ticks: f32) {
     let y = fma(system.rubbing.zeta_k, (*orbit).sine, system.rubbing.omega_k) - (*orbit).v;
     if (!is_below(abs((*orbit).heat_pressure), PRESSURE_BOUND) || has_run_away((*orbit).x, y)) {
         (*orbit).runaway = 1u;
+        // |x| + |y| grows nearly as an exponential over the step in which it reaches the bound
+        let size = abs((*orbit).x) + abs(y);
+        let part = clamp(log(RUNAWAY_BOUND / size_before) / log(size / size_before), 0.0, 1.0);
+        (*orbit).runaway_phase = 1.0 - (f32((*orbit).left) + (1.0 - part) * ticks) / f32(TICKS);
         (*orbit).left = 0u;
     } else if ((*orbit).step <= SHORTEST_STEP) {
         (*orbit).under_resolved = 1u;

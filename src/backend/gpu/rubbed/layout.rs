@@ -154,6 +154,7 @@ pub struct Orbit {
     pub under_resolved: u32,
     pub runaway: u32,
     pub given_up_period: u32,
+    pub runaway_phase: f32,
 }
 
 impl Orbit {
@@ -198,6 +199,7 @@ impl Orbit {
             under_resolved: 0,
             runaway: 0,
             given_up_period: 0,
+            runaway_phase: 1.0,
         }
     }
 
@@ -215,7 +217,8 @@ impl Orbit {
             x_min: self.x_min.into(),
             x_max: self.x_max.into(),
             candidates: self.candidates,
-            runaway_periods: (self.runaway > 0).then_some(self.given_up_period.into()),
+            runaway_periods: (self.runaway > 0)
+                .then(|| f64::from(self.given_up_period) - 1.0 + f64::from(self.runaway_phase)),
             under_resolved: self.under_resolved > 0,
             contact: Contact {
                 lost: (self.lost_periods >= 0.0).then(|| tau(self.lost_periods, self.lost_time)),
