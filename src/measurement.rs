@@ -207,7 +207,7 @@ pub struct Measurement {
     /// Least number of forcing periods after which the motion repeats; None unless settled on a cycle that attracts
     /// strongly enough for the run to have reached it.
     pub period: Option<u32>,
-    /// Last stroboscopic state, at drive phase 0; of an orbit that ran away, at constant pressure, the last one before.
+    /// Last stroboscopic state, at drive phase 0.
     pub x: f64,
     pub y: f64,
     /// Extremes of x over the measured periods.

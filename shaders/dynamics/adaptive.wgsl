@@ -5,6 +5,9 @@ override TICKS: u32;
 
 const TAU = 6.283185307179586;
 
+// Units of time of the linear growth of y in the longest step, times the least number of steps in a period.
+const REPULSION_STEPS = 6.4;
+
 // Stands for an infinite number.
 const LARGEST = 3.4028234e38;
 
@@ -14,7 +17,7 @@ struct System {
     // Forcing period in units of tau, and ticks to tau.
     period: f32,
     tick: f32,
-    // The period over pi where it is longer, else 1: by so much more steps it is divided into.
+    // By so much more than the usual steps a period is divided into.
     long: f32,
     surface_temperature: f32,
     // Where there is wear, the tangent vector lives until contact is lost, and no longer.
@@ -26,7 +29,7 @@ fn system_new(value: Parameters) -> System {
         rubbing_new(value),
         value.period,
         value.period * (1.0 / f32(TICKS)),
-        max(value.period * (2.0 / TAU), 1.0),
+        max(value.period * max(2.0 / TAU, value.epsilon * (value.alpha - value.h1) / REPULSION_STEPS), 1.0),
         value.surface_temperature,
         !(value.k_w > 0.0),
     );

@@ -14,6 +14,8 @@ struct Flow {
     thin: Mask,
     longest: Real,
     longest_in_layer: Real,
+    // Outside, a step is at most this over the rates met at its start.
+    free_step: Real,
 }
 
 // A state within a period.
@@ -58,6 +60,8 @@ fn flow_new(value: Values) -> Flow {
     let linear = unit * unit;
     let is_dry = Real(0.0) < value.epsilon * value.f_0;
     let epsilon_0 = select(Real(NO_LAYER), unit * value.epsilon_0, is_dry);
+    let speed = abs(value.omega_k) + value.zeta_k + OWN_SPEED;
+    let drag = 3.0 * value.epsilon * abs(value.beta) * speed * speed;
     // F(v) as a function of U v
     let friction =
         friction_new(linear * value.epsilon, value.f_0, value.alpha / unit, value.beta / (linear * unit), epsilon_0);
@@ -73,6 +77,7 @@ fn flow_new(value: Values) -> Flow {
         value.step_size,
         // an absent layer limits nothing
         LAYER_STEP / max(friction.two_f_0_over_epsilon_0, Real(1e-9)),
+        select(Real(FREE_STEP), Real(STIFF_FREE_STEP), Real(STIFF) < drag * unit * value.step_size),
     );
 }
 
@@ -138,7 +143,7 @@ fn trial_step(flow: Flow, piece: Piece, series: Series, ticks_left: Word) -> Rea
     let way_across = select(distance, flow.epsilon_0, distance < AT_BOUNDARY * flow.epsilon_0);
     let is_in_layer = piece.upper - piece.lower < 1.5 * flow.epsilon_0;
     let rates = abs(series.by_w_0) + sqrt(abs(series.by_x_0));
-    let way = select(Real(FREE_STEP), REACH * way_across, is_in_layer);
+    let way = select(flow.free_step, REACH * way_across, is_in_layer);
     let speed = select(rates, abs(slope), is_in_layer);
     let bound = min(longest, select(longest, flow.longest_in_layer, is_in_layer));
     // a speed of zero bounds nothing

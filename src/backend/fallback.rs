@@ -25,7 +25,7 @@ const MOST_ESCAPE_PERIODS: u32 = 512;
 /// Completes the measurements of instances of constant contact pressure by the scheme of `settings`. None if `progress` broke
 /// it off.
 ///
-/// - Where an orbit ran away, the time is found within the period.
+/// - Where an orbit ran away, the time is found within the period; one that did so by the scheme alone is under-resolved.
 /// - What is under-resolved is measured anew. Of rk4, whose steps were asked for as they are, only an escape is taken.
 ///
 /// # Errors
@@ -46,36 +46,17 @@ pub(super) fn complete(
             .filter(|(_, m)| wanted(m) && !is_radau_f64(m));
         chosen.map(|(index, _)| index).collect()
     };
-    let given_up = indices(&|m| m.status == Status::UnderResolved);
     let escaped = indices(&|m| matches!(m.status, Status::Runaway { .. }));
     let mut backend = CpuBackend::new(Precision::F64);
-    // by the number of periods that they are followed over
-    let mut escapes: BTreeMap<u32, Vec<(usize, u32, ParameterSet)>> = BTreeMap::new();
-
-    let settings = Settings {
+    let fallback = Settings {
         scheme: Some(Scheme::Radau),
         steps_per_period: None,
         tolerance: settings.tolerance.min(TOLERANCE),
         precision: Some(Precision::F64),
         ..settings.clone()
     };
-    if !given_up.is_empty() {
-        let chosen: Vec<_> = given_up.iter().map(|&index| instances[index]).collect();
-        // it was reported as done before
-        let mut unheard = |_| progress(0);
-        let Some(anew) = measure_lasting(&mut backend, &settings, &chosen, &mut unheard)? else {
-            return Ok(None);
-        };
-        for (&index, anew) in given_up.iter().zip(anew) {
-            let is_escape = matches!(anew.status, Status::Runaway { .. });
-            if is_escape || scheme != Scheme::Rk4 {
-                measured[index] = Measurement {
-                    integrated_periods: anew.integrated_periods + measured[index].integrated_periods,
-                    ..anew
-                };
-            }
-        }
-    }
+    // by the number of periods that they are followed over
+    let mut escapes: BTreeMap<u32, Vec<(usize, u32, ParameterSet)>> = BTreeMap::new();
     for &index in &escaped {
         let Status::Runaway { time } = measured[index].status else {
             continue;
@@ -86,13 +67,40 @@ pub(super) fn complete(
             true => (noticed - 1, last_state(set, &measured[index])),
             false => (0, *set),
         };
-        escapes
-            .entry(noticed + 1 - start)
-            .or_default()
-            .push((index, start, before));
+        let periods = noticed + 1 - start;
+        escapes.entry(periods).or_default().push((index, start, before));
     }
     for (periods, escapes) in escapes {
-        locate(&mut backend, &settings, periods, &escapes, measured)?;
+        locate(&mut backend, &fallback, periods, &escapes, measured)?;
+    }
+
+    let given_up: Vec<usize> = (0..measured.len())
+        .filter(|&index| measured[index].status == Status::UnderResolved && !is_radau_f64(&measured[index]))
+        .collect();
+    let chosen: Vec<_> = given_up.iter().map(|&index| instances[index]).collect();
+    // it was reported as done before
+    let mut unheard = |_| progress(0);
+    let anew = match given_up.is_empty() {
+        true => Some(Vec::new()),
+        false => measure_lasting(&mut backend, &fallback, &chosen, &mut unheard)?,
+    };
+    let Some(anew) = anew else {
+        return Ok(None);
+    };
+    for (&index, anew) in given_up.iter().zip(anew) {
+        let is_escape = matches!(anew.status, Status::Runaway { .. });
+        if is_escape || scheme != Scheme::Rk4 {
+            measured[index] = Measurement {
+                integrated_periods: anew.integrated_periods + measured[index].integrated_periods,
+                ..anew
+            };
+        }
+    }
+    for measurement in measured.iter_mut() {
+        // what is left of an orbit that ran away is when
+        if matches!(measurement.status, Status::Runaway { .. }) {
+            (measurement.x, measurement.y) = (f64::NAN, f64::NAN);
+        }
     }
     Ok(Some(()))
 }
@@ -104,7 +112,7 @@ fn last_state(set: &ParameterSet, measurement: &Measurement) -> ParameterSet {
 }
 
 /// Finds when orbits ran away, within some periods: of each its index, the period that it is followed from, and the instance
-/// as it was then.
+/// as it was then. One that did not was not resolved.
 fn locate(
     backend: &mut CpuBackend,
     settings: &Settings,
@@ -121,10 +129,12 @@ fn locate(
         elapsed: 0,
     })?;
     for (&(index, start, set), end) in escapes.iter().zip(backend.end_states()?) {
-        if let Some(periods) = end.runaway_periods {
-            let time = (f64::from(start) + periods) * set.forcing_period();
-            measured[index].status = Status::Runaway { time };
-        }
+        measured[index].status = match end.runaway_periods {
+            Some(periods) => Status::Runaway {
+                time: (f64::from(start) + periods) * set.forcing_period(),
+            },
+            None => Status::UnderResolved,
+        };
     }
     Ok(())
 }

@@ -26,6 +26,9 @@ use crate::parameters::Parameter;
 /// A contact whose thermal pressure reaches this has run away: expansion feeds the friction that heats.
 pub const PRESSURE_BOUND: f64 = 1e9;
 
+/// Units of time of the linear growth of y in the longest step, times the least number of steps in a period.
+const REPULSION_STEPS: f64 = 6.4;
+
 /// Least of [`Control::reach`]: nearer to a boundary, v changes too little over a step to be told apart in f32.
 const LEAST_REACH: f64 = 5e-4;
 
@@ -62,8 +65,9 @@ pub struct System<R> {
     /// Forcing period in units of tau, and ticks to tau.
     period: R,
     tick: R,
-    /// The period over pi, the paper's, where it is longer, else 1: by so much more steps it is divided into. A step that
-    /// the motion's error allows may be too long for the tangent, which swings in the wells where the motion rests.
+    /// By so much more than the usual steps a period is divided into where it is longer than pi, the paper's, or damping is
+    /// negative. A step that the motion's error allows may be too long for the tangent, which swings in the wells, or grows,
+    /// where the motion rests.
     long: R,
     /// 1 in lanes in which there is heat or wear, else 0: there the pressure is constant.
     pub is_rubbed: R,
@@ -83,6 +87,7 @@ impl<R: Real> System<R> {
         let rubbing = Rubbing::new(&value);
         let period = R::splat(TAU) / value(Parameter::Omega0);
         let count = modes(0).rates.len();
+        let repulsion = value(Parameter::Epsilon) * value(Parameter::Alpha) - rubbing.damping;
         let each = |of: &dyn Fn(&HeatModes) -> f64| R::from_lanes(|lane| of(modes(lane)));
         Self {
             ramps: (0..R::LANES).any(|lane| rubbing.ramp_rate.lane(lane).is_finite()),
@@ -90,7 +95,9 @@ impl<R: Real> System<R> {
             rubbing,
             period,
             tick: period * R::splat(1.0 / R::PERIOD_TICKS),
-            long: (period * R::splat(1.0 / PI)).max(R::splat(1.0)),
+            long: (period * R::splat(1.0 / PI))
+                .max(period * repulsion * R::splat(1.0 / REPULSION_STEPS))
+                .max(R::splat(1.0)),
             is_rubbed: R::select(
                 R::splat(0.0).less(rubbing.k_w + rubbing.two_gamma),
                 R::splat(1.0),

@@ -47,8 +47,18 @@ pub const REACH: f64 = 1.1;
 /// and wrong where the bush sticks.
 pub const LAYER_STEP: f64 = 0.35;
 
-/// Outside, a step is at most this over the rates met at its start.
+/// Outside, a step is at most this over the rates met at its start...
 pub const FREE_STEP: f64 = 2.0;
+
+/// ...or this where the cubic drag, at the shaft's greatest speed and some of the bush's own, is stiffer against the longest step
+/// than [`STIFF`]: with longer ones the exponents lose digits where such drag is met all the time.
+pub const STIFF_FREE_STEP: f64 = 0.8;
+
+/// Rate times step from which the cubic drag counts as stiff.
+pub const STIFF: f64 = 1.6;
+
+/// Speed of the bush that is added to that of the shaft for this.
+pub const OWN_SPEED: f64 = 1.0;
 
 /// At most this over the rate of the linear damping is a step long, at the usual number of steps: with it the fast one of two
 /// exponents is as good as the slow one.
@@ -96,6 +106,8 @@ pub struct Flow<R> {
     epsilon_0: R,
     longest: R,
     longest_in_layer: R,
+    /// Outside, a step is at most this over the rates met at its start.
+    free_step: R,
     /// 1 in lanes whose layer is [`THIN`], and whether there are any.
     thin: R,
     pub any_thin: bool,
@@ -146,6 +158,10 @@ impl<R: Real> Flow<R> {
             R::splat(1.0),
             R::splat(0.0),
         );
+        let speed = value(OmegaK).abs() + value(ZetaK) + R::splat(OWN_SPEED);
+        let drag = R::splat(3.0) * epsilon * value(Beta).abs() * speed * speed;
+        let is_stiff = R::splat(STIFF).less(drag * unit * longest);
+        let free_step = R::select(is_stiff, R::splat(STIFF_FREE_STEP), R::splat(FREE_STEP));
         // F(v) as a function of U v
         let friction = Friction::new(
             linear * epsilon,
@@ -165,6 +181,7 @@ impl<R: Real> Flow<R> {
             thin,
             any_thin: !thin.less(R::splat(0.5)).all(),
             longest,
+            free_step,
             // an absent layer limits nothing
             longest_in_layer: R::splat(LAYER_STEP) / friction.layer_rate().max(R::splat(1e-9)),
         }
@@ -265,7 +282,7 @@ fn trial_step<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series:
     let distance = R::select(has_just_come, flow.epsilon_0, distance);
     let is_in_layer = (piece.upper - piece.lower).less(R::splat(1.5) * flow.epsilon_0);
     let rates = series.by_w[0].abs() + series.by_x[0].abs().sqrt();
-    let way = R::select(is_in_layer, R::splat(REACH) * distance, R::splat(FREE_STEP));
+    let way = R::select(is_in_layer, R::splat(REACH) * distance, flow.free_step);
     let speed = R::select(is_in_layer, slope.abs(), rates);
     let longest = longest.min(R::select(is_in_layer, flow.longest_in_layer, longest));
     (way / speed).min(longest)

@@ -53,7 +53,7 @@ fn bad_requests_are_refused_with_a_reason() {
         ("[settings]\nperiods = 0", "from 16"),
         ("[settings]\nalign_periods = 500", "from 0 to 300"),
         ("[settings]\nbackend = \"gpu\"\nprecision = \"f64\"", "f32"),
-        ("[settings]\nbackend = \"gpu\"\n[set]\nepsilon_0 = 1e-5", "too thin"),
+        ("[settings]\nbackend = \"gpu\"\n[set]\nepsilon_0 = 1e-6", "too thin"),
         ("[settings]\nscheme = \"euler\"", "rk4"),
         (
             "[y]\nparameter = \"zeta_k\"\nstart = 0\nstop = 1\ncount = 5",

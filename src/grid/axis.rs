@@ -81,10 +81,20 @@ impl Axis {
         )
     }
 
-    /// The value at `index` in `0..count`; the ends are met exactly.
+    /// The value at `index` in `0..count`; the ends are met exactly. A value that is a short decimal is the number that typing
+    /// it gives, bit for bit, so that it is found by its value.
     pub fn value(&self, index: usize) -> f64 {
         let t = index as f64 / (self.count - 1) as f64;
-        self.start * (1.0 - t) + self.stop * t
+        let value = self.start * (1.0 - t) + self.stop * t;
+        let scale = self.start.abs().max(self.stop.abs());
+        let decimals = (DIGITS - 1.0 - scale.log10().floor()).max(0.0) as usize;
+        let decimal: f64 = format!("{value:.decimals$}").parse().expect("it was a number");
+        // by adding up, rounding to a few spacings of the larger end
+        if (decimal - value).abs() <= 4.0 * f64::EPSILON * scale {
+            decimal
+        } else {
+            value
+        }
     }
 
     pub fn values(&self) -> Vec<f64> {
@@ -96,6 +106,9 @@ impl Axis {
         (self.stop - self.start) / (self.count - 1) as f64
     }
 }
+
+/// Digits of a short decimal, counted from the first of an axis's larger end.
+const DIGITS: f64 = 13.0;
 
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum AxisError {
@@ -116,6 +129,42 @@ pub enum AxisError {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_value_that_is_a_short_decimal_is_what_typing_it_gives() {
+        // start, stop, count, and the values as whole multiples of a power of ten
+        for (text, first, step, decimals) in [
+            ("h1=0:1.5:301", 0, 5, 3),
+            ("zeta_k=0:12:2401", 0, 5, 3),
+            ("x0=-1:1:201", -100, 1, 2),
+            ("h1=0.1:0.7:7", 1, 1, 1),
+            ("zeta_k=5:3:201", 500, -1, 2),
+            ("gamma=0:0.06:121", 0, 5, 4),
+            ("zeta_k=3.5:4:5001", 35_000, 1, 4),
+            ("epsilon_0=1e-9:1e-6:1000", 1, 1, 9),
+            ("omega_tilde=100:1000:181", 100, 5, 0),
+        ] {
+            let axis = Axis::parse(text).unwrap();
+            for (index, value) in axis.values().into_iter().enumerate() {
+                let whole: i64 = first + step * index as i64;
+                let typed: f64 = format!("{whole}e-{decimals}").parse().unwrap();
+                assert_eq!(value.to_bits(), (typed + 0.0).to_bits(), "{text}: {typed} at {index}");
+            }
+        }
+    }
+
+    #[test]
+    fn other_values_are_left_as_they_are_and_ends_are_met() {
+        let axis = Axis::parse("zeta_k=3:5:600").unwrap();
+        for (index, value) in axis.values().into_iter().enumerate() {
+            assert!((value - (3.0 + 2.0 * index as f64 / 599.0)).abs() <= 2e-15, "{index}");
+        }
+        let axis = Axis::parse("h1=0.12345678901234567:1.0000000000000002:7").unwrap();
+        assert_eq!(
+            (axis.value(0), axis.value(6)),
+            (0.123_456_789_012_345_67, 1.000_000_000_000_000_2)
+        );
+    }
 
     #[test]
     fn bad_axes_are_refused_with_a_reason() {

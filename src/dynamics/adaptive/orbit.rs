@@ -11,6 +11,9 @@ use crate::lanes::{Mask, Real, Ticks};
 /// Passes that a period may take, and one longer than pi as many more: beyond, it is under-resolved.
 pub const PASS_BUDGET: u32 = 100_000;
 
+/// What would have to be divided into more steps than usual by more than this is given up at once.
+const MOST_LONG: f64 = 2e4;
+
 /// Passes after which it is seen to that no tangent vector's length leaves the numbers.
 pub const SETTLING_PASSES: u32 = 16;
 
@@ -82,6 +85,7 @@ impl<R: Real> Orbit<R> {
             runaway: zero,
             runaway_phase: one,
         };
+        orbit.under_resolved = R::select(R::splat(MOST_LONG).less(system.long), one, zero);
         orbit.piece = orbit.piece_of(&system.rubbing);
         orbit.guess[0] = orbit.begin(system).acceleration;
         orbit
@@ -166,8 +170,8 @@ impl<R: Real> Orbit<R> {
         self.left = R::select(alive, R::splat(to - from), zero).to_ticks();
         self.to = to;
         let mut passes = 0;
-        let longest_period = (0..R::LANES).fold(1.0, |long: f64, lane| long.max(system.long.lane(lane)));
-        let budget = (f64::from(PASS_BUDGET) * longest_period) as u32;
+        let long = (0..R::LANES).fold(1.0, |long: f64, lane| long.max(system.long.lane(lane)));
+        let budget = (f64::from(PASS_BUDGET) * long.min(MOST_LONG)) as u32;
         while !self.left.all_zero() {
             self.pass(system, control, peaks, tangent.as_deref_mut(), scratch);
             passes += 1;
