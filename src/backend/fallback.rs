@@ -11,12 +11,16 @@ use std::ops::ControlFlow;
 use super::cpu::CpuBackend;
 use super::run::measure_lasting;
 use super::{Backend, BackendError, Slice, Stage};
+use crate::dynamics::taylor::escape::escape_time;
 use crate::experiment::{Precision, Scheme, Settings};
 use crate::measurement::{BackendKind, Measurement, Status};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// Error of a step where an exponent is measured.
 const TOLERANCE: f64 = 1e-8;
+
+/// Error of a step where an orbit is followed to where it runs away.
+const ESCAPE_TOLERANCE: f64 = 1e-6;
 
 /// Most forcing periods over which an orbit is followed from its start to where it runs away; after more of them number types
 /// and schemes differ by too much, and it is followed from the beginning of the period at whose end it was noticed.
@@ -70,8 +74,12 @@ pub(super) fn complete(
         let periods = noticed + 1 - start;
         escapes.entry(periods).or_default().push((index, start, before));
     }
+    let escaping = Settings {
+        tolerance: ESCAPE_TOLERANCE,
+        ..fallback.clone()
+    };
     for (periods, escapes) in escapes {
-        locate(&mut backend, &fallback, periods, &escapes, measured)?;
+        locate(&mut backend, &escaping, periods, &escapes, measured)?;
     }
 
     let given_up: Vec<usize> = (0..measured.len())
@@ -121,6 +129,7 @@ fn locate(
     measured: &mut [Measurement],
 ) -> Result<(), BackendError> {
     let instances: Vec<_> = escapes.iter().map(|escape| escape.2).collect();
+    let steps = Scheme::Taylor.default_steps_per_period();
     backend.load(settings, &instances)?;
     backend.advance(&Slice {
         stage: Stage::Transient,
@@ -133,6 +142,12 @@ fn locate(
             Some(periods) => Status::Runaway {
                 time: (f64::from(start) + periods) * set.forcing_period(),
             },
+            // an escape faster than the clock of radau tells is followed step by step
+            None if end.under_resolved => {
+                escape_time(&set, steps, periods).map_or(Status::UnderResolved, |time| Status::Runaway {
+                    time: f64::from(start) * set.forcing_period() + time,
+                })
+            }
             None => Status::UnderResolved,
         };
     }

@@ -8,6 +8,7 @@
 //! Every lane has its own clock in whole ticks, and the step taken is a whole number of them: no clock drifts, and the last
 //! step ends on the period exactly.
 
+pub mod escape;
 pub mod growth;
 pub mod number;
 pub mod series;
@@ -55,7 +56,10 @@ pub const FREE_STEP: f64 = 2.0;
 pub const STIFF_FREE_STEP: f64 = 0.8;
 
 /// Rate times step from which the cubic drag counts as stiff.
-pub const STIFF: f64 = 1.6;
+pub const STIFF: f64 = 2.0;
+
+/// By this the rate of the bush's swing, by which a series converges more slowly than by a rate of decay, counts more.
+pub const SWING: f64 = 3.3;
 
 /// Speed of the bush that is added to that of the shaft for this.
 pub const OWN_SPEED: f64 = 1.0;
@@ -281,7 +285,7 @@ fn trial_step<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series:
     let has_just_come = distance.less(R::splat(AT_BOUNDARY) * flow.epsilon_0);
     let distance = R::select(has_just_come, flow.epsilon_0, distance);
     let is_in_layer = (piece.upper - piece.lower).less(R::splat(1.5) * flow.epsilon_0);
-    let rates = series.by_w[0].abs() + series.by_x[0].abs().sqrt();
+    let rates = series.by_w[0].abs().max(R::splat(SWING) * series.by_x[0].abs().sqrt());
     let way = R::select(is_in_layer, R::splat(REACH) * distance, flow.free_step);
     let speed = R::select(is_in_layer, slope.abs(), rates);
     let longest = longest.min(R::select(is_in_layer, flow.longest_in_layer, longest));

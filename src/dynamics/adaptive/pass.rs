@@ -29,7 +29,7 @@ pub const FIRST_PART_OF_PERIOD: f64 = 1.0 / 4096.0;
 pub const PRESSURE_FLOOR: f64 = 1e-2;
 
 /// The error of v is relative above this speed.
-pub const LARGE_SPEED: f64 = 100.0;
+pub const LARGE_SPEED: f64 = 20.0;
 
 /// A trial is tried again where its error calls for a step of this part of it or less.
 pub const REJECTED: f64 = 0.9;

@@ -13,7 +13,7 @@ use super::number::Number;
 use super::series::{self, Local, Series};
 use super::{
     AT_BOUNDARY, BEYOND, COEFFICIENTS, FREE_STEP, LAYER_STEP, LEAST_TICKS, MAX_PASSES, MISSED, NO_LAYER, ON_BOUNDARY,
-    OWN_SPEED, REACH, REFINEMENTS, SMALLEST_SLOPE_SQUARE, STIFF, STIFF_FREE_STEP, THIN, ticks_per_unit,
+    OWN_SPEED, REACH, REFINEMENTS, SMALLEST_SLOPE_SQUARE, STIFF, STIFF_FREE_STEP, SWING, THIN, ticks_per_unit,
 };
 use crate::dynamics::tangent::Vector;
 use crate::lanes::Real;
@@ -194,6 +194,7 @@ fn constants() -> String {
         ("FREE_STEP", FREE_STEP),
         ("STIFF_FREE_STEP", STIFF_FREE_STEP),
         ("STIFF", STIFF),
+        ("SWING", SWING),
         ("OWN_SPEED", OWN_SPEED),
         ("BEYOND", BEYOND),
         ("AT_BOUNDARY", AT_BOUNDARY),

@@ -1,0 +1,74 @@
+//! When an orbit runs away, by the Taylor scheme in f64.
+//!
+//! Owns the search within a step; whether an orbit runs away is told by whoever asks.
+
+use super::{COEFFICIENTS, Flow, Step, longest_step, most_passes, step, unit_of_time};
+use crate::lanes::LONG_PERIOD_TICKS;
+use crate::model::motion::RUNAWAY_BOUND;
+use crate::parameters::{Parameter, ParameterSet};
+
+/// The time in tau at which |x| + |y| of the instance first reaches [`RUNAWAY_BOUND`], within so many forcing periods; None if
+/// it does not, or if the scheme gives the orbit up before.
+pub fn escape_time(parameters: &ParameterSet, steps_per_period: u32, periods: u32) -> Option<f64> {
+    let unit = unit_of_time(parameters[Parameter::Omega0]);
+    let longest = longest_step(parameters, steps_per_period);
+    let flow = Flow::<f64>::new(|parameter| parameters[parameter], unit, longest);
+    let size = |x: f64, w: f64| x.abs() + (w / unit).abs();
+    let (mut x, mut w) = (parameters[Parameter::X0], parameters[Parameter::Y0] * unit);
+    for period in 0..periods {
+        let mut state = flow.start(x, w, LONG_PERIOD_TICKS);
+        for _ in 0..most_passes(parameters.forcing_period()) {
+            if state.left == 0.0 {
+                break;
+            }
+            let begun = 1.0 - state.left / LONG_PERIOD_TICKS;
+            let (taken, end) = step::<f64, COEFFICIENTS, true>(&flow, &state);
+            // written so that NaN has run away
+            let is_inside = size(end.x, end.w) < RUNAWAY_BOUND;
+            if !is_inside {
+                let within = first_outside(&taken, &size) * unit / parameters.forcing_period();
+                return Some((f64::from(period) + begun + within) * parameters.forcing_period());
+            }
+            state = end;
+        }
+        if state.left > 0.0 {
+            return None;
+        }
+        (x, w) = (state.x, state.w);
+    }
+    None
+}
+
+/// Where within the step, at whose end it does, |x| + |y| reaches the bound.
+fn first_outside(step: &Step<f64, COEFFICIENTS>, size: &impl Fn(f64, f64) -> f64) -> f64 {
+    let (mut inside, mut outside) = (0.0, step.s);
+    for _ in 0..50 {
+        let middle = 0.5 * (inside + outside);
+        let is_inside = size(step.series.x_at(middle), step.series.w_at(middle)) < RUNAWAY_BOUND;
+        *(if is_inside { &mut inside } else { &mut outside }) = middle;
+    }
+    outside
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_linear_orbit_runs_away_when_its_exponential_says() {
+        // x'' = x from x = y: exp(tau), the sum of both is 2 exp(tau)
+        let set = [
+            (Parameter::B, 0.0),
+            (Parameter::Epsilon, 0.0),
+            (Parameter::X0, 0.1),
+            (Parameter::Y0, 0.1),
+        ]
+        .into_iter()
+        .fold(ParameterSet::default(), |set, (parameter, value)| {
+            set.with(parameter, value)
+        });
+        let time = escape_time(&set, 28, 5).unwrap();
+        assert!((time - 5e4_f64.ln()).abs() < 1e-9, "{time}");
+        assert_eq!(escape_time(&set, 28, 3), None);
+    }
+}
