@@ -35,6 +35,8 @@ pub enum Class {
     Regular,
     QuasiPeriodic,
     Undecided,
+    /// On a cycle, or at rest, where it stays although disturbances grow: no attractor.
+    Unstable,
 }
 
 /// Where and in which number type an instance was integrated.
@@ -54,7 +56,7 @@ pub const QUASI_PERIODIC_BOUND: f64 = 1e-3;
 pub const QUASI_PERIODIC_ERROR: f64 = 5e-3;
 
 /// A standard error below this means the same growth in every period: the orbit is on its cycle. Where the growth is
-/// positive it began on an unstable cycle and never left it, which is not chaos.
+/// positive it began on an unstable cycle and never left it, which is neither chaos nor an attractor.
 pub const CONSTANT_GROWTH: f64 = 1e-6;
 
 /// Over the measurement of a chaotic orbit a disturbance grows at least by e to this power. A mean growth that is less, however
@@ -71,26 +73,35 @@ pub struct Cycle {
 }
 
 impl Class {
-    pub const ALL: [Self; 4] = [Self::Chaotic, Self::Regular, Self::QuasiPeriodic, Self::Undecided];
+    pub const ALL: [Self; 5] = [
+        Self::Chaotic,
+        Self::Regular,
+        Self::QuasiPeriodic,
+        Self::Undecided,
+        Self::Unstable,
+    ];
 
     /// Classifies an orbit by its maximal exponent `lyapunov` with standard error `error`, taken over `interval`, the cycle
     /// found at its end, and the weighted Birkhoff average of the exponent. In this order:
     ///
     /// - regular: settled on a cycle that attracts (a chaotic transient may have come before);
+    /// - unstable: on a cycle along which disturbances grow, at the same rate in every period;
     /// - chaotic: `lyapunov - 3 error > 0`, and `lyapunov interval >` [`CHAOTIC_GROWTH`];
-    /// - regular: `lyapunov + 3 error < 0`, or on a cycle;
+    /// - regular: `lyapunov + 3 error < 0`, or on a cycle with `lyapunov` not above 0;
     /// - quasi-periodic: `|birkhoff| <` [`QUASI_PERIODIC_BOUND`] and `error <` [`QUASI_PERIODIC_ERROR`];
     /// - undecided: all else.
     pub fn of(lyapunov: f64, error: f64, interval: f64, cycle: Option<Cycle>, birkhoff: f64) -> Self {
         // a laminar phase of chaos can pass for a cycle, but does not attract
-        let settled = cycle.is_some_and(|cycle| cycle.growth_rate < 0.0 || error < CONSTANT_GROWTH);
-        if settled {
+        let is_constant = error < CONSTANT_GROWTH;
+        if cycle.is_some_and(|cycle| cycle.growth_rate < 0.0) {
             Self::Regular
+        } else if cycle.is_some_and(|cycle| is_constant && cycle.growth_rate > QUASI_PERIODIC_BOUND) {
+            Self::Unstable
         } else if lyapunov - 3.0 * error > 0.0 && lyapunov * interval > CHAOTIC_GROWTH {
             Self::Chaotic
-        } else if lyapunov + 3.0 * error < 0.0 || cycle.is_some() {
+        } else if lyapunov + 3.0 * error < 0.0 || (cycle.is_some() && lyapunov <= 0.0) {
             Self::Regular
-        } else if birkhoff.abs() < QUASI_PERIODIC_BOUND && error < QUASI_PERIODIC_ERROR {
+        } else if cycle.is_none() && birkhoff.abs() < QUASI_PERIODIC_BOUND && error < QUASI_PERIODIC_ERROR {
             Self::QuasiPeriodic
         } else {
             Self::Undecided
@@ -103,7 +114,7 @@ impl Class {
 }
 
 const CONTACT_NAMES: &[&str] = &["held", "lost"];
-const CLASS_NAMES: &[&str] = &["chaotic", "regular", "quasi_periodic", "undecided"];
+const CLASS_NAMES: &[&str] = &["chaotic", "regular", "quasi_periodic", "undecided", "unstable"];
 const STATUS_NAMES: &[&str] = &["ok", "runaway", "under_resolved"];
 const BACKEND_NAMES: &[&str] = &["cpu_f64", "cpu_f32", "gpu_f32"];
 
@@ -124,6 +135,14 @@ impl Status {
 impl BackendKind {
     pub fn name(self) -> &'static str {
         BACKEND_NAMES[self as usize]
+    }
+
+    /// Spacing of the number type above 1.
+    pub fn epsilon(self) -> f64 {
+        match self {
+            Self::CpuF64 => f64::EPSILON,
+            Self::CpuF32 | Self::GpuF32 => f32::EPSILON.into(),
+        }
     }
 
     pub fn device_class(self) -> &'static str {
@@ -465,8 +484,8 @@ mod tests {
         );
         assert_eq!(
             Class::of(1.0, 0.0, 800.0, cycle(1.0), 1.0),
-            Class::Regular,
-            "unstable equilibrium"
+            Class::Unstable,
+            "equilibrium that is never left"
         );
         assert_eq!(Class::of(-0.1, 0.01, 800.0, None, -0.1), Class::Regular);
         assert_eq!(Class::of(-0.001, 0.01, 800.0, cycle(0.001), -0.001), Class::Regular);
@@ -479,8 +498,8 @@ mod tests {
         assert_eq!(Class::of(0.01, 0.01, 800.0, None, 0.01), Class::Undecided);
         assert_eq!(
             Class::of(5e-4, 1e-5, 800.0, cycle(5e-4), 5e-4),
-            Class::Regular,
-            "slow convergence to a cycle"
+            Class::Undecided,
+            "no regular motion has a positive exponent"
         );
     }
 }

@@ -480,6 +480,7 @@ fn help_names_the_defaults_that_hold() {
         ("periods", defaults.periods.to_string()),
         ("renormalise-every", defaults.renormalise_every.to_string()),
         ("period-tolerance", format!("{:e}", defaults.period_tolerance)),
+        ("max-period", defaults.max_period.to_string()),
         ("initial-states", defaults.initial_states.to_string()),
         ("seed", defaults.seed.to_string()),
     ] {

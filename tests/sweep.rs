@@ -125,7 +125,7 @@ fn a_map_whose_gpu_is_lost_is_finished_on_the_cpu() {
 
     let device = context.device().clone();
     let gpu = GpuBackend::new(context);
-    let batch = tribochaos::backend::Backend::batch_size(&gpu);
+    let batch = tribochaos::backend::Backend::batch_size(&gpu, &Settings::default());
     if batch >= experiment.grid.len() {
         eprintln!("skipped: the GPU takes the whole map as one batch");
         return;

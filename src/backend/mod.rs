@@ -58,8 +58,9 @@ pub struct EndState {
     pub tangent: [f64; 2],
     pub x_min: f64,
     pub x_max: f64,
-    /// Candidates for the period; see [`period`](crate::dynamics::stroboscope::period).
-    pub candidates: u32,
+    /// Forcing periods after which the motion repeats, at the end of a run; see
+    /// [`period_of`](crate::dynamics::stroboscope::period_of).
+    pub period: Option<u32>,
     /// The forcing period of the run, counted from 1, at whose end the instance was first found to have run away.
     pub runaway_period: Option<u32>,
     /// Whether the scheme gave the instance up: its motion needed more, or shorter, steps than there may be.
@@ -75,7 +76,7 @@ pub trait Backend {
     fn device(&self) -> String;
 
     /// A good number of instances for one batch: enough to fill the device, not more than it holds.
-    fn batch_size(&self) -> usize;
+    fn batch_size(&self, settings: &Settings) -> usize;
 
     /// Takes a new batch, at the beginning of its run; what was loaded before is dropped.
     ///

@@ -6,12 +6,13 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
+use super::cycle::{self, Candidate};
 use super::evaluation::{Ended, Growth};
-use super::{Backend, BackendError, Slice, Stage, early};
+use super::{Backend, BackendError, EndState, Slice, Stage, early};
 use crate::dynamics::statistics;
 use crate::experiment::Settings;
-use crate::measurement::Measurement;
-use crate::parameters::ParameterSet;
+use crate::measurement::{Measurement, Status};
+use crate::parameters::{Parameter, ParameterSet};
 
 /// Longest slice, so that progress shows and a run can be cancelled.
 const LONGEST_SLICE: u32 = 16;
@@ -128,19 +129,55 @@ pub(super) fn measure_alike(
     }
     let ends = backend.end_states()?;
     let kind = backend.kind();
-    Ok(Some(
-        instances
-            .par_iter()
-            .zip(growth.par_iter().zip(&ends))
-            .map(|(parameters, (growth, state))| {
-                growth.measurement(&Ended {
-                    parameters,
-                    settings,
-                    elapsed,
-                    state,
-                    backend: kind,
-                })
+    let mut measured: Vec<Measurement> = instances
+        .par_iter()
+        .zip(growth.par_iter().zip(&ends))
+        .map(|(parameters, (growth, state))| {
+            growth.measurement(&Ended {
+                parameters,
+                settings,
+                elapsed,
+                state,
+                backend: kind,
             })
-            .collect(),
-    ))
+        })
+        .collect();
+    if !settings.scheme().carries_heat() {
+        measure_cycles(backend, settings, instances, &ends, &mut measured)?;
+    }
+    Ok(Some(measured))
+}
+
+/// Measures those anew that have ended on a cycle: its multipliers are their exponents, whatever came before.
+fn measure_cycles(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    instances: &[ParameterSet],
+    ends: &[EndState],
+    measured: &mut [Measurement],
+) -> Result<(), BackendError> {
+    let (indices, candidates): (Vec<usize>, Vec<Candidate>) = (0..instances.len())
+        .filter(|&index| measured[index].status == Status::Ok)
+        .filter_map(|index| {
+            let EndState {
+                x, y, tangent, period, ..
+            } = ends[index];
+            let candidate = Candidate {
+                instance: instances[index].with(Parameter::X0, x).with(Parameter::Y0, y),
+                tangent,
+                period: period?,
+            };
+            Some((index, candidate))
+        })
+        .unzip();
+    for (index, turned) in indices.into_iter().zip(cycle::turn(backend, settings, &candidates)?) {
+        let before = measured[index];
+        let integrated_periods = before.integrated_periods + turned.periods;
+        measured[index] = Measurement {
+            integrated_periods,
+            initial_state: before.initial_state,
+            ..turned.measurement.unwrap_or(before)
+        };
+    }
+    Ok(())
 }

@@ -69,7 +69,7 @@ impl Backends {
 
     /// Points in a batch such that the backend in use is filled by one.
     pub fn points_per_batch(&self, settings: &Settings) -> usize {
-        (self.active.batch_size() / settings.initial_states as usize).max(1)
+        (self.active.batch_size(settings) / settings.initial_states as usize).max(1)
     }
 
     /// Points in a tile: a batch, but no more than an eighth of a large map, since what is not a finished tile is lost when
