@@ -212,7 +212,8 @@ pub struct Measurement {
     /// Its standard error, by batch means; NaN for an exponent of finite time.
     pub lyapunov_error: f64,
     /// The smaller of the two non-trivial exponents; equal to the maximal one where the tangent vectors rotate. NaN with
-    /// heat or wear, whose tangent space has more dimensions.
+    /// heat or wear, whose tangent space has more dimensions, and on a limit cycle without a drive, where it is the trivial
+    /// zero along the flow that is left out.
     pub lyapunov_second: f64,
     /// Its standard error, by batch means.
     pub lyapunov_second_error: f64,
@@ -233,8 +234,10 @@ pub struct Measurement {
     pub x_max: f64,
     /// Fraction of the initial states whose motion is chaotic.
     pub chaotic_fraction: f64,
-    /// Number of distinct attractors that the initial states lead to.
+    /// Number of distinct attractors on which initial states have settled.
     pub attractors: u32,
+    /// Fraction of the initial states whose motion is bounded but has settled on no attractor.
+    pub unsettled_fraction: f64,
     pub contact: Contact,
     pub backend: BackendKind,
     /// Where the orbit began: (x0, y0).
@@ -268,10 +271,26 @@ impl Measurement {
             x_max: f64::NAN,
             chaotic_fraction: 0.0,
             attractors: 0,
+            unsettled_fraction: 0.0,
             contact: Contact::UNKNOWN,
             backend,
             initial_state: [f64::NAN; 2],
             integrated_periods: 0,
+        }
+    }
+
+    /// Whether it is that of a limit cycle, without a drive, whose one exponent is the mean divergence.
+    pub fn is_on_limit_cycle(&self) -> bool {
+        self.lyapunov_second.is_nan() && self.lyapunov == self.divergence
+    }
+
+    /// Whether the orbit has shown where it ends: on a cycle that was found, or on chaos or a torus for as long as it was
+    /// measured. Without a found cycle a regular orbit is still on its way.
+    pub fn has_settled(&self) -> bool {
+        match self.class {
+            Some(Class::Regular) => self.period.is_some() || self.is_on_limit_cycle(),
+            Some(Class::Chaotic | Class::QuasiPeriodic) => true,
+            Some(Class::Undecided | Class::Unstable) | None => false,
         }
     }
 
@@ -299,6 +318,7 @@ pub enum Quantity {
     XMax,
     ChaoticFraction,
     Attractors,
+    UnsettledFraction,
     ContactStatus,
     ContactTime,
     PeakPressure,
@@ -355,6 +375,7 @@ quantity_table! {
     XMax             "x_max"             "greatest angle x"                        "1"     Values::Number;
     ChaoticFraction  "chaotic_fraction"  "fraction of initial states with chaos"   "1"     Values::Number;
     Attractors       "attractors"        "number of distinct attractors"           "1"     Values::Number;
+    UnsettledFraction "unsettled_fraction" "fraction of initial states not settled" "1"    Values::Number;
     ContactStatus    "contact_status"    "whether contact is lost"                 "1"     Values::Code(CONTACT_NAMES);
     ContactTime      "contact_time"      "time at which contact is lost"           "tau"   Values::Number;
     PeakPressure     "peak_pressure"     "greatest contact pressure p"             "1"     Values::Number;
@@ -429,6 +450,7 @@ impl Quantity {
             Self::XMax => m.x_max,
             Self::ChaoticFraction => m.chaotic_fraction,
             Self::Attractors => f64::from(m.attractors),
+            Self::UnsettledFraction => m.unsettled_fraction,
             Self::ContactStatus => match m.status {
                 Status::Runaway { .. } => f64::NAN,
                 Status::Ok | Status::UnderResolved => f64::from(u8::from(m.contact.lost.is_some())),

@@ -9,7 +9,7 @@ use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
 use crate::dynamics::floquet::{Multipliers, Turn};
 use crate::experiment::Settings;
 use crate::measurement::{BackendKind, Class, Contact, Measurement, Status};
-use crate::parameters::{Parameter, ParameterSet};
+use crate::parameters::ParameterSet;
 
 /// Turns that are watched: two for the multipliers, one more for how sure they are.
 const TURNS: u32 = 3;
@@ -18,9 +18,12 @@ const TURNS: u32 = 3;
 /// as much.
 const NEAR: f64 = 1e-5;
 
-/// States of a turn are the same if they are apart by no more than so many times what the orbit still has to go to its
-/// cycle: twice where successive ones lie on both sides of it, and more where a turn stretches what it shrinks in the end.
-const APART: f64 = 8.0;
+/// States of a turn are the same if they are apart by no more than so many times what the orbit has to go to its cycle
+/// from both: once by the triangle's inequality, and more where directions are stretched unequally.
+const APART: f64 = 4.0;
+
+/// Without a drive there is no cycle of forcing periods but rest: x then stays within this.
+const REST: f64 = 1e-4;
 
 /// Rounding of a forcing period, in units of the number type's last place.
 const ROUNDING: f64 = 64.0;
@@ -87,9 +90,8 @@ fn turn_alike(
     let mut tracks: Vec<Track> = candidates.iter().map(|candidate| Track::new(candidate)).collect();
     let mut ends = Vec::new();
     for turn in 0..TURNS {
-        // of the last turn every state is looked at
-        let periods = if turn + 1 == TURNS { 1 } else { period };
-        tracks.iter_mut().for_each(Track::begin_turn);
+        // of the last two turns every state is looked at
+        let periods = if turn == 0 { period } else { 1 };
         for done in (0..period).step_by(periods as usize) {
             let first = turn * period + done;
             backend.advance(&Slice {
@@ -126,7 +128,7 @@ struct Track {
     tangent: [f64; 2],
     /// Integral of the divergence over all turns.
     divergence: f64,
-    /// States of the present turn, that in which it began first.
+    /// States of the last two turns, that in which they began first.
     states: Vec<[f64; 2]>,
 }
 
@@ -136,12 +138,8 @@ impl Track {
             turns: Vec::with_capacity(TURNS as usize),
             tangent: candidate.tangent,
             divergence: 0.0,
-            states: vec![[Parameter::X0, Parameter::Y0].map(|parameter| candidate.instance[parameter])],
+            states: Vec::new(),
         }
-    }
-
-    fn begin_turn(&mut self) {
-        self.states.drain(..self.states.len() - 1);
     }
 
     fn end_turn(&mut self, end: &EndState, sums: &Sums) {
@@ -156,13 +154,21 @@ impl Track {
 
     /// How far the last turn moved the orbit.
     fn moved(&self) -> f64 {
-        distance(self.states[0], self.states[self.states.len() - 1])
+        self.moved_at(self.states.len() - 1)
     }
 
-    /// The least divisor of the turn's periods after which its states are the same, to within `reach`.
-    fn least_period(&self, reach: f64) -> usize {
-        let turn = self.states.len() - 1;
-        let repeats = |d: usize| (d..=turn).all(|n| distance(self.states[n], self.states[n - d]) <= reach);
+    /// How far the last turn has moved a state of it.
+    fn moved_at(&self, n: usize) -> f64 {
+        distance(self.states[n], self.states[n - self.states.len() / 2])
+    }
+
+    /// The least divisor of the turn's periods after which its states are the same, where `reach` tells of two of them by how
+    /// far the turn has moved them how far they may be apart.
+    fn least_period(&self, reach: impl Fn(f64, f64) -> f64) -> usize {
+        let turn = self.states.len() / 2;
+        let is_same =
+            |n: usize, m: usize| distance(self.states[n], self.states[m]) <= reach(self.moved_at(n), self.moved_at(m));
+        let repeats = |d: usize| (turn + d..=2 * turn).all(|n| is_same(n, n - d));
         (1..turn)
             .find(|&d| turn.is_multiple_of(d) && repeats(d))
             .unwrap_or(turn)
@@ -171,7 +177,8 @@ impl Track {
     /// The measurement of the orbit, which has ended as given; None where it is too far from a cycle, or it is not sure
     /// whether that attracts.
     fn measurement(&self, candidate: &Candidate, end: &EndState, backend: BackendKind) -> Option<Measurement> {
-        if end.runaway_period.is_some() || end.under_resolved {
+        let may_be_cycle = candidate.instance.is_driven() || end.x_max - end.x_min < REST;
+        if end.runaway_period.is_some() || end.under_resolved || !may_be_cycle {
             return None;
         }
         let turn_time = f64::from(candidate.period) * candidate.instance.forcing_period();
@@ -180,7 +187,8 @@ impl Track {
         // an orbit's approach, and what it still changes, shrink by the multiplier in every turn
         let approach = (exponents[0] * turn_time).exp_m1().abs();
         let errors = [0, 1].map(|i| (before.log_moduli()[i] / turn_time - exponents[i]).abs() / approach);
-        let left_to_go = self.moved() / last.distance_from_one();
+        let distance_from_one = last.distance_from_one();
+        let left_to_go = self.moved() / distance_from_one;
         let class = if exponents[0] + 3.0 * errors[0] < 0.0 && left_to_go < NEAR {
             Class::Regular
         } else if exponents[0] - 3.0 * errors[0] > 0.0 && self.moved() == 0.0 {
@@ -189,7 +197,8 @@ impl Track {
         } else {
             return None;
         };
-        let rounding = ROUNDING * backend.epsilon() * (1.0 + end.x.abs() + end.y.abs()) / last.distance_from_one();
+        let rounding = ROUNDING * backend.epsilon() * (1.0 + end.x.abs() + end.y.abs());
+        let reach = |moved: f64, other: f64| (APART * (moved + other) + rounding) / distance_from_one;
         let measurement = Measurement {
             class: Some(class),
             lyapunov: exponents[0],
@@ -199,7 +208,7 @@ impl Track {
             divergence: self.divergence / (f64::from(TURNS) * turn_time),
             lyapunov_birkhoff: exponents[0],
             lyapunov_interval: turn_time,
-            period: Some(self.least_period(APART * left_to_go + rounding) as u32),
+            period: Some(self.least_period(reach) as u32),
             x: end.x,
             y: end.y,
             x_min: end.x_min,

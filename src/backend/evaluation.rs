@@ -149,7 +149,8 @@ impl Growth {
         let lyapunov_birkhoff = self.total.birkhoff / period_time;
         let time = f64::from(elapsed) * period_time;
         let window = stroboscope::window(settings.periods, settings.max_period);
-        let cycle = state.period.map(|period| Cycle {
+        let may_be_cycle = parameters.is_driven() || state.x_max - state.x_min < settings.period_tolerance;
+        let cycle = state.period.filter(|_| may_be_cycle).map(|period| Cycle {
             period,
             growth_rate: self.over_last(stroboscope::span_of(period, window)).rate() / period_time,
         });
@@ -176,6 +177,7 @@ impl Growth {
             x_max: state.x_max,
             chaotic_fraction: f64::from(u8::from(class == Class::Chaotic)),
             attractors: u32::from(class != Class::Unstable),
+            unsettled_fraction: 0.0,
             contact: state.contact,
             backend,
             initial_state: [parameters[Parameter::X0], parameters[Parameter::Y0]],

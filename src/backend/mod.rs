@@ -9,6 +9,7 @@ mod evaluation;
 pub mod gpu;
 mod run;
 pub mod twins;
+mod undriven;
 
 pub use run::measure_batch;
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::cycle::{self, Candidate};
 use super::evaluation::{Ended, Growth};
-use super::{Backend, BackendError, EndState, Slice, Stage, early};
+use super::{Backend, BackendError, EndState, Slice, Stage, early, undriven};
 use crate::dynamics::statistics;
 use crate::experiment::Settings;
 use crate::measurement::{Measurement, Status};
@@ -43,14 +43,19 @@ pub fn measure_batch(
         align_periods: 0,
         ..settings.clone()
     };
-    for (indices, settings, share) in [
-        (lasting, &settings, whole_run),
-        (wearing, &from_the_start, u64::from(settings.periods)),
+    for (indices, settings, share, instance) in [
+        (lasting, &settings, whole_run, undriven::instance as fn(&_) -> _),
+        (
+            wearing,
+            &from_the_start,
+            u64::from(settings.periods),
+            ParameterSet::clone,
+        ),
     ] {
         if indices.is_empty() {
             continue;
         }
-        let instances: Vec<_> = indices.iter().map(|&index| instances[index]).collect();
+        let instances: Vec<_> = indices.iter().map(|&index| instance(&instances[index])).collect();
         // both kinds count as a whole run, which is what was announced
         let progress = &mut |instance_periods: u64| progress(instance_periods * whole_run / share);
         let batch = if settings.decides_early() {
@@ -58,9 +63,12 @@ pub fn measure_batch(
         } else {
             measure_alike(backend, settings, &instances, Start::default(), progress)?
         };
-        let Some(batch) = batch else {
+        let Some(mut batch) = batch else {
             return Ok(None);
         };
+        if !settings.scheme().carries_heat() {
+            undriven::measure_limit_cycles(backend, settings, &instances, &mut batch)?;
+        }
         for (index, measurement) in indices.into_iter().zip(batch) {
             measured[index] = Some(measurement);
         }

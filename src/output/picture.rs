@@ -165,12 +165,15 @@ fn attractors_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Figur
     let runaway = kinds.len();
     kinds.push(Kind::new(colour::RUNAWAY, "runaway"));
     kinds.push(Kind::new(colour::UNDER_RESOLVED, "under-resolved"));
+    kinds.push(Kind::new(colour::UNDECIDED, "none settled on"));
     let counts = map.column(Quantity::Attractors);
     let kind = |index| {
         if map.is_runaway(index) {
             runaway
         } else if map.is_under_resolved(index) {
             runaway + 1
+        } else if counts[index] == 0.0 {
+            runaway + 2
         } else {
             count_kind(counts[index])
         }
