@@ -25,8 +25,8 @@ const APART: f64 = 4.0;
 /// Without a drive there is no cycle of forcing periods but rest: x then stays within this.
 const REST: f64 = 1e-4;
 
-/// Rounding of a forcing period, in units of the number type's last place.
-const ROUNDING: f64 = 64.0;
+/// Rounding of a forcing period, in units of the number type's last place; over more of them it adds up as random steps do.
+const ROUNDING: f64 = 100.0;
 
 /// An orbit that may be on a cycle.
 pub(super) struct Candidate {
@@ -197,7 +197,8 @@ impl Track {
         } else {
             return None;
         };
-        let rounding = ROUNDING * backend.epsilon() * (1.0 + end.x.abs() + end.y.abs());
+        let rounding =
+            ROUNDING * f64::from(candidate.period).sqrt() * backend.epsilon() * (1.0 + end.x.abs() + end.y.abs());
         let reach = |moved: f64, other: f64| (APART * (moved + other) + rounding) / distance_from_one;
         let measurement = Measurement {
             class: Some(class),

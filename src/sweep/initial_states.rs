@@ -30,6 +30,40 @@ pub fn instances(point: ParameterSet, others: &[[f64; 2]]) -> impl Iterator<Item
     )
 }
 
+/// How many times its length a run is carried on that has not settled.
+const LONGER: u32 = 4;
+
+/// Those of several initial states of a point whose motion is bounded but has not surely settled: which they are, and their instances
+/// begun where they have got to. Heat is not told by a state (x, y), and cannot be taken up again.
+pub fn unsettled(
+    settings: &Settings,
+    instances: &[ParameterSet],
+    measured: &[Measurement],
+) -> Vec<(usize, ParameterSet)> {
+    // what passes for a torus may be a slow approach to a cycle
+    let goes_on = |m: &Measurement| match m.class {
+        Some(Class::Regular | Class::Undecided) => !m.has_settled(),
+        Some(Class::QuasiPeriodic) => true,
+        Some(Class::Chaotic | Class::Unstable) | None => false,
+    };
+    (0..instances.len())
+        .filter(|&index| settings.initial_states > 1 && !instances[index].is_rubbed() && goes_on(&measured[index]))
+        .map(|index| {
+            let Measurement { x, y, .. } = measured[index];
+            (index, instances[index].with(Parameter::X0, x).with(Parameter::Y0, y))
+        })
+        .collect()
+}
+
+/// The settings by which those are carried on.
+pub fn carried_on(settings: &Settings) -> Settings {
+    let length = settings.transient_periods.saturating_add(settings.periods);
+    Settings {
+        transient_periods: length.saturating_mul(LONGER - 1).max(settings.align_periods),
+        ..settings.clone()
+    }
+}
+
 /// The measurement of a point: that of the initial state with the largest exponent, with the fraction of states whose
 /// motion is chaotic, the number of distinct attractors on which some have settled, and the fraction of those that have not.
 ///
