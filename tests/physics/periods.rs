@@ -326,7 +326,7 @@ fn only_what_has_settled_counts_as_an_attractor() {
     );
     assert_eq!(attractors(&slow)[0], 2, "{:#?}", orbits_of(&slow, 0));
     let default = Settings::default();
-    let map = |states, settings| experiment("zeta_k=3:5:8", "h1=0:1.5:8", states, settings);
+    let map = |states, settings| experiment("zeta_k=3:5:20", "h1=0:1.5:20", states, settings);
     let short = map(16, &default);
     let (counted, settled) = (attractors(&short), attractors(&map(64, &long)));
     let too_high: Vec<_> = (0..counted.len())
