@@ -296,7 +296,7 @@ fn an_orbit_that_was_given_up_has_no_exponents() {
 }
 
 #[test]
-fn a_state_at_rest_has_period_one() {
+fn a_rest_on_the_saddle_is_unstable_and_has_period_one() {
     let point = point(&[
         "--set",
         "x0=0",
@@ -309,7 +309,7 @@ fn a_state_at_rest_has_period_one() {
     ]);
     assert_eq!(
         (point["class"].as_str(), point["period"].as_u64()),
-        (Some("regular"), Some(1)),
+        (Some("unstable"), Some(1)),
         "{point:#}"
     );
 }

@@ -5,9 +5,6 @@
 
 use crate::lanes::Real;
 
-/// The longest period that can be looked for, in forcing periods.
-pub const LONGEST_PERIOD: u32 = 1024;
-
 /// The motion must repeat over this many last forcing periods at least.
 pub const LEAST_WINDOW: u32 = 64;
 
@@ -86,7 +83,7 @@ mod tests {
 
     #[test]
     fn the_least_period_is_found_up_to_the_longest() {
-        for max_period in [1, 7, 64, LONGEST_PERIOD] {
+        for max_period in [1, 7, 64, 1024] {
             for k in (1..=64.min(max_period)).chain([max_period]) {
                 assert_eq!(found(max_period, |n| (f64::from(n % k), 0.5)), Some(k));
                 assert_eq!(found(max_period, |n| (0.5, f64::from(n % k))), Some(k));

@@ -5,7 +5,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::ExperimentError;
-use crate::dynamics::stroboscope::LONGEST_PERIOD;
 use crate::parameters::Parameter;
 
 /// The stepping scheme.
@@ -166,6 +165,9 @@ impl Default for Settings {
 
 /// Most heat modes: what the GPU's kernels hold.
 pub const MAX_MODES: u32 = 64;
+
+/// The longest period of the motion that can be looked for.
+const LONGEST_PERIOD: u32 = 1024;
 
 /// Least half-width of the friction layer in f32: below, the tangent in the layer loses all digits.
 pub const MIN_EPSILON_0_F32: f64 = 1e-4;
