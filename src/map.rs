@@ -207,7 +207,7 @@ fn onset_of_row(map: &ParameterMap, row: usize, columns: &[usize]) -> OnsetKind 
                 };
             }
             Some(Class::Regular | Class::QuasiPeriodic) => last_other = Some(column),
-            Some(Class::Undecided) | None => {}
+            Some(Class::Undecided | Class::Unstable) | None => {}
         }
     }
     OnsetKind::Never

@@ -36,6 +36,8 @@ pub enum Class {
     Regular,
     QuasiPeriodic,
     Undecided,
+    /// On a cycle, or at rest, where it stays although disturbances grow: no attractor.
+    Unstable,
 }
 
 /// Where and in which number type an instance was integrated.
@@ -55,7 +57,7 @@ pub const QUASI_PERIODIC_BOUND: f64 = 1e-3;
 pub const QUASI_PERIODIC_ERROR: f64 = 5e-3;
 
 /// A standard error below this means the same growth in every period: the orbit is on its cycle. Where the growth is
-/// positive it began on an unstable cycle and never left it, which is not chaos.
+/// positive it began on an unstable cycle and never left it, which is neither chaos nor an attractor.
 pub const CONSTANT_GROWTH: f64 = 1e-6;
 
 /// Over the measurement of a chaotic orbit a disturbance grows at least by e to this power. A mean growth that is less, however
@@ -72,26 +74,35 @@ pub struct Cycle {
 }
 
 impl Class {
-    pub const ALL: [Self; 4] = [Self::Chaotic, Self::Regular, Self::QuasiPeriodic, Self::Undecided];
+    pub const ALL: [Self; 5] = [
+        Self::Chaotic,
+        Self::Regular,
+        Self::QuasiPeriodic,
+        Self::Undecided,
+        Self::Unstable,
+    ];
 
     /// Classifies an orbit by its maximal exponent `lyapunov` with standard error `error`, taken over `interval`, the cycle
     /// found at its end, and the weighted Birkhoff average of the exponent. In this order:
     ///
     /// - regular: settled on a cycle that attracts (a chaotic transient may have come before);
+    /// - unstable: on a cycle along which disturbances grow, at the same rate in every period;
     /// - chaotic: `lyapunov - 3 error > 0`, and `lyapunov interval >` [`CHAOTIC_GROWTH`];
-    /// - regular: `lyapunov + 3 error < 0`, or on a cycle;
+    /// - regular: `lyapunov + 3 error < 0`, or on a cycle with `lyapunov` not above 0;
     /// - quasi-periodic: `|birkhoff| <` [`QUASI_PERIODIC_BOUND`] and `error <` [`QUASI_PERIODIC_ERROR`];
     /// - undecided: all else.
     pub fn of(lyapunov: f64, error: f64, interval: f64, cycle: Option<Cycle>, birkhoff: f64) -> Self {
         // a laminar phase of chaos can pass for a cycle, but does not attract
-        let settled = cycle.is_some_and(|cycle| cycle.growth_rate < 0.0 || error < CONSTANT_GROWTH);
-        if settled {
+        let is_constant = error < CONSTANT_GROWTH;
+        if cycle.is_some_and(|cycle| cycle.growth_rate < 0.0) {
             Self::Regular
+        } else if cycle.is_some_and(|cycle| is_constant && cycle.growth_rate > QUASI_PERIODIC_BOUND) {
+            Self::Unstable
         } else if lyapunov - 3.0 * error > 0.0 && lyapunov * interval > CHAOTIC_GROWTH {
             Self::Chaotic
-        } else if lyapunov + 3.0 * error < 0.0 || cycle.is_some() {
+        } else if lyapunov + 3.0 * error < 0.0 || (cycle.is_some() && lyapunov <= 0.0) {
             Self::Regular
-        } else if birkhoff.abs() < QUASI_PERIODIC_BOUND && error < QUASI_PERIODIC_ERROR {
+        } else if cycle.is_none() && birkhoff.abs() < QUASI_PERIODIC_BOUND && error < QUASI_PERIODIC_ERROR {
             Self::QuasiPeriodic
         } else {
             Self::Undecided
@@ -104,7 +115,7 @@ impl Class {
 }
 
 const CONTACT_NAMES: &[&str] = &["held", "lost"];
-const CLASS_NAMES: &[&str] = &["chaotic", "regular", "quasi_periodic", "undecided"];
+const CLASS_NAMES: &[&str] = &["chaotic", "regular", "quasi_periodic", "undecided", "unstable"];
 const STATUS_NAMES: &[&str] = &["ok", "runaway", "under_resolved"];
 const BACKEND_NAMES: &[&str] = &["cpu_f64", "cpu_f32", "gpu_f32"];
 
@@ -125,6 +136,14 @@ impl Status {
 impl BackendKind {
     pub fn name(self) -> &'static str {
         BACKEND_NAMES[self as usize]
+    }
+
+    /// Spacing of the number type above 1.
+    pub fn epsilon(self) -> f64 {
+        match self {
+            Self::CpuF64 => f64::EPSILON,
+            Self::CpuF32 | Self::GpuF32 => f32::EPSILON.into(),
+        }
     }
 
     pub fn device_class(self) -> &'static str {
@@ -194,7 +213,8 @@ pub struct Measurement {
     /// Its standard error, by batch means; NaN for an exponent of finite time.
     pub lyapunov_error: f64,
     /// The smaller of the two non-trivial exponents; equal to the maximal one where the tangent vectors rotate. NaN with
-    /// heat or wear, whose tangent space has more dimensions.
+    /// heat or wear, whose tangent space has more dimensions, and on a limit cycle without a drive, where it is the trivial
+    /// zero along the flow that is left out.
     pub lyapunov_second: f64,
     /// Its standard error, by batch means.
     pub lyapunov_second_error: f64,
@@ -215,8 +235,10 @@ pub struct Measurement {
     pub x_max: f64,
     /// Fraction of the initial states whose motion is chaotic.
     pub chaotic_fraction: f64,
-    /// Number of distinct attractors that the initial states lead to.
+    /// Number of distinct attractors on which initial states have settled.
     pub attractors: u32,
+    /// Fraction of the initial states whose motion is bounded but has settled on no attractor.
+    pub unsettled_fraction: f64,
     pub contact: Contact,
     pub backend: BackendKind,
     /// Where the orbit began: (x0, y0).
@@ -250,10 +272,26 @@ impl Measurement {
             x_max: f64::NAN,
             chaotic_fraction: 0.0,
             attractors: 0,
+            unsettled_fraction: 0.0,
             contact: Contact::UNKNOWN,
             backend,
             initial_state: [f64::NAN; 2],
             integrated_periods: 0,
+        }
+    }
+
+    /// Whether it is that of a limit cycle, without a drive, whose one exponent is the mean divergence.
+    pub fn is_on_limit_cycle(&self) -> bool {
+        self.lyapunov_second.is_nan() && self.lyapunov == self.divergence
+    }
+
+    /// Whether the orbit has shown where it ends: on a cycle that was found, or on chaos or a torus for as long as it was
+    /// measured. Without a found cycle a regular orbit is still on its way.
+    pub fn has_settled(&self) -> bool {
+        match self.class {
+            Some(Class::Regular) => self.period.is_some() || self.is_on_limit_cycle(),
+            Some(Class::Chaotic | Class::QuasiPeriodic) => true,
+            Some(Class::Undecided | Class::Unstable) | None => false,
         }
     }
 
@@ -281,6 +319,7 @@ pub enum Quantity {
     XMax,
     ChaoticFraction,
     Attractors,
+    UnsettledFraction,
     ContactStatus,
     ContactTime,
     PeakPressure,
@@ -337,6 +376,7 @@ quantity_table! {
     XMax             "x_max"             "greatest angle x"                        "1"     Values::Number;
     ChaoticFraction  "chaotic_fraction"  "fraction of initial states with chaos"   "1"     Values::Number;
     Attractors       "attractors"        "number of distinct attractors"           "1"     Values::Number;
+    UnsettledFraction "unsettled_fraction" "fraction of initial states not settled" "1"    Values::Number;
     ContactStatus    "contact_status"    "whether contact is lost"                 "1"     Values::Code(CONTACT_NAMES);
     ContactTime      "contact_time"      "time at which contact is lost"           "tau"   Values::Number;
     PeakPressure     "peak_pressure"     "greatest contact pressure p"             "1"     Values::Number;
@@ -411,6 +451,7 @@ impl Quantity {
             Self::XMax => m.x_max,
             Self::ChaoticFraction => m.chaotic_fraction,
             Self::Attractors => f64::from(m.attractors),
+            Self::UnsettledFraction => m.unsettled_fraction,
             Self::ContactStatus => match m.status {
                 Status::Runaway { .. } => f64::NAN,
                 Status::Ok | Status::UnderResolved => f64::from(u8::from(m.contact.lost.is_some())),
@@ -466,8 +507,8 @@ mod tests {
         );
         assert_eq!(
             Class::of(1.0, 0.0, 800.0, cycle(1.0), 1.0),
-            Class::Regular,
-            "unstable equilibrium"
+            Class::Unstable,
+            "equilibrium that is never left"
         );
         assert_eq!(Class::of(-0.1, 0.01, 800.0, None, -0.1), Class::Regular);
         assert_eq!(Class::of(-0.001, 0.01, 800.0, cycle(0.001), -0.001), Class::Regular);
@@ -480,8 +521,8 @@ mod tests {
         assert_eq!(Class::of(0.01, 0.01, 800.0, None, 0.01), Class::Undecided);
         assert_eq!(
             Class::of(5e-4, 1e-5, 800.0, cycle(5e-4), 5e-4),
-            Class::Regular,
-            "slow convergence to a cycle"
+            Class::Undecided,
+            "no regular motion has a positive exponent"
         );
     }
 }

@@ -179,6 +179,13 @@ impl ParameterSet {
         self[Parameter::KW] > 0.0
     }
 
+    /// Whether the shaft's varying speed acts on the bush. If not, the system is autonomous, and nothing depends on omega_0.
+    pub fn is_driven(&self) -> bool {
+        use Parameter::{Alpha, Beta, Epsilon, F0, ZetaK};
+        let rubs = [F0, Alpha, Beta].into_iter().any(|parameter| self[parameter] != 0.0);
+        rubs && self[Epsilon] != 0.0 && self[ZetaK] != 0.0
+    }
+
     /// The period of the drive in units of tau, 2 pi/omega_0.
     pub fn forcing_period(&self) -> f64 {
         std::f64::consts::TAU / self[Parameter::Omega0]

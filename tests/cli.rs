@@ -298,7 +298,7 @@ fn an_orbit_that_was_given_up_has_no_exponents() {
 }
 
 #[test]
-fn a_state_at_rest_has_period_one() {
+fn a_rest_on_the_saddle_is_unstable_and_has_period_one() {
     let point = point(&[
         "--set",
         "x0=0",
@@ -311,7 +311,7 @@ fn a_state_at_rest_has_period_one() {
     ]);
     assert_eq!(
         (point["class"].as_str(), point["period"].as_u64()),
-        (Some("regular"), Some(1)),
+        (Some("unstable"), Some(1)),
         "{point:#}"
     );
 }
@@ -490,6 +490,7 @@ fn help_names_the_defaults_that_hold() {
         ("periods", defaults.periods.to_string()),
         ("renormalise-every", defaults.renormalise_every.to_string()),
         ("period-tolerance", format!("{:e}", defaults.period_tolerance)),
+        ("max-period", defaults.max_period.to_string()),
         ("initial-states", defaults.initial_states.to_string()),
         ("seed", defaults.seed.to_string()),
     ] {

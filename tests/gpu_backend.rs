@@ -327,12 +327,12 @@ fn what_the_gpu_cannot_do_is_refused_with_a_remedy() {
 fn a_batch_larger_than_a_buffer_is_refused_and_a_smaller_one_taken() {
     let Some(context) = gpu_context::open() else { return };
     let limits = context.device().limits();
-    let most = (limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / 256) as usize;
+    let most = (limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / 1024) as usize;
     if most > 1 << 20 {
         return eprintln!("skipped: this device's buffers are too large to overflow in a test");
     }
     let mut backend = GpuBackend::new(context);
-    assert!(backend.batch_size() <= most);
+    assert!(backend.batch_size(&cheap()) <= most);
     let instances = vec![ParameterSet::default(); most + 1];
     let error = backend.load(&cheap(), &instances).unwrap_err();
     assert!(error.to_string().contains(&most.to_string()), "{error}");
@@ -384,5 +384,48 @@ fn assert_alike(on_gpu: &[Measurement], on_cpu: &[Measurement], settings: &Setti
     for (gpu, cpu) in pairs().filter(|(gpu, cpu)| gpu.period.is_some() && cpu.period.is_some()) {
         assert_eq!(gpu.period, cpu.period, "{gpu:?} {cpu:?}");
         assert!((gpu.lyapunov - cpu.lyapunov).abs() < 1e-3, "{gpu:?} {cpu:?}");
+    }
+}
+
+/// The cascade of x'' + 0.3 x' - x + x^3 = 0.1 zeta_k sin 1.2 tau, in batches as large as the device holds of long periods.
+#[test]
+fn long_periods_are_found_as_on_the_cpu() {
+    use Parameter::{Alpha, Beta, F0, H1, Omega0, OmegaK};
+    let Some(context) = gpu_context::open() else { return };
+    let mut backend = GpuBackend::new(context);
+    let duffing = [
+        (F0, 0.0),
+        (Alpha, -1.0),
+        (Beta, 0.0),
+        (OmegaK, 0.0),
+        (H1, 2.0),
+        (Omega0, 1.2),
+    ]
+    .into_iter()
+    .fold(ParameterSet::default(), |set, (parameter, value)| {
+        set.with(parameter, value)
+    });
+    let points = [2.9, 2.92, 2.9225].map(|zeta_k| duffing.with(Parameter::ZetaK, zeta_k));
+    let most = |backend: &GpuBackend, max_period| {
+        backend.batch_size(&Settings {
+            max_period,
+            ..Settings::default()
+        })
+    };
+    assert!(most(&backend, 1024) <= most(&backend, 64));
+    for (max_period, longest) in [(1024, Some(32)), (64, Some(32)), (16, None)] {
+        let settings = Settings {
+            transient_periods: 2000,
+            periods: 2 * max_period.max(64),
+            max_period,
+            ..Settings::default()
+        };
+        for measured in [
+            measure(&mut backend, &settings, &points),
+            measure(&mut CpuBackend::new(Precision::F32), &settings, &points),
+        ] {
+            let periods: Vec<_> = measured.iter().map(|m| m.period).collect();
+            assert_eq!(periods, [Some(4), Some(8), longest], "{max_period} {measured:?}");
+        }
     }
 }

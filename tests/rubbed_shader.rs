@@ -22,6 +22,8 @@ fn rust_layouts() -> BTreeMap<&'static str, Layout> {
         layout_of!(Run {
             instances,
             unrecorded,
+            window,
+            max_period,
             period_tolerance,
             tolerance,
             newton,
@@ -84,7 +86,7 @@ fn rust_layouts() -> BTreeMap<&'static str, Layout> {
             lost_time,
             x_min,
             x_max,
-            candidates,
+            period,
             under_resolved,
             runaway,
             given_up_period,

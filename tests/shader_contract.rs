@@ -31,6 +31,8 @@ fn rust_layouts() -> BTreeMap<&'static str, Layout> {
             steps_per_period,
             renormalise_every,
             unrecorded,
+            window,
+            max_period,
             period_tolerance
         }),
         layout_of!(Span {
@@ -59,7 +61,7 @@ fn rust_layouts() -> BTreeMap<&'static str, Layout> {
             y,
             x_min,
             x_max,
-            candidates,
+            period,
             runaway_period,
             under_resolved
         }),
@@ -219,13 +221,8 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
         "window",
         "the host tells the shader when the window begins",
     ),
-    (
-        "dynamics/stroboscope",
-        "period",
-        "the host reads the period from the candidates",
-    ),
-    ("dynamics/stroboscope", "candidates", "an accessor"),
-    ("dynamics/stroboscope", "default", "the host starts the candidates"),
+    ("dynamics/stroboscope", "most_states", "the host sizes the buffer"),
+    ("dynamics/stroboscope", "default", "the host allocates the states"),
 ];
 
 /// Name and text of every piece of a shader, once.

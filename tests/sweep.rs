@@ -125,7 +125,7 @@ fn a_map_whose_gpu_is_lost_is_finished_on_the_cpu() {
 
     let device = context.device().clone();
     let gpu = GpuBackend::new(context);
-    let batch = tribochaos::backend::Backend::batch_size(&gpu);
+    let batch = tribochaos::backend::Backend::batch_size(&gpu, &Settings::default());
     if batch >= experiment.grid.len() {
         eprintln!("skipped: the GPU takes the whole map as one batch");
         return;
@@ -195,7 +195,11 @@ fn the_largest_exponent_of_several_initial_states_is_reported() {
     for (several, one) in several.iter().zip(&one) {
         // (x0, y0) is one of them
         assert!(several.lyapunov >= one.lyapunov);
-        assert!((1..=6).contains(&several.attractors));
+        assert!(several.attractors <= 6);
+        assert!(
+            several.attractors > 0 || several.unsettled_fraction == 1.0,
+            "{several:?}"
+        );
         assert!((0.0..=1.0).contains(&several.chaotic_fraction));
     }
     assert!(several.iter().any(|m| m.attractors > 1) && several.iter().any(|m| m.chaotic_fraction > 0.0));

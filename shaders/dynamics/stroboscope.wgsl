@@ -1,18 +1,37 @@
 // The period of the motion from stroboscopic states. Twin: src/dynamics/stroboscope.rs.
 
-// The longest period that is looked for, and the number of last states that are kept.
-override MAX_PERIOD: u32;
+// The motion must repeat over this many last forcing periods at least.
+override LEAST_WINDOW: u32;
 
-// Takes the next state at drive phase 0 and strikes out the candidates that it contradicts; states agree whose x and y
-// differ by less than the tolerance. `recorded` states were taken before.
-fn record(instance: u32, recorded: u32, x: f32, y: f32, tolerance: f32, candidates_before: u32) -> u32 {
-    var candidates = candidates_before;
-    for (var k = 1u; k <= min(recorded, MAX_PERIOD); k++) {
-        let before = last_states[(recorded - k) % MAX_PERIOD * run.instances + instance];
-        if (!(abs(x - before.x) < tolerance && abs(y - before.y) < tolerance)) {
-            candidates &= ~(1u << (k - 1u));
+// Keeps the next state at drive phase 0, after `recorded` others.
+fn record(instance: u32, recorded: u32, x: f32, y: f32) {
+    last_states[recorded * run.instances + instance] = vec2(x, y);
+}
+
+// The last of the window's states over which a motion must repeat for k to be its period.
+fn span_of(k: u32) -> u32 {
+    return min(run.window, max(LEAST_WINDOW, 2u * k));
+}
+
+// Whether all states k periods apart agree, from the last ones back.
+fn repeats(instance: u32, k: u32) -> bool {
+    let compared = span_of(k) - k;
+    for (var back = 1u; back <= compared; back++) {
+        let n = run.window - back;
+        let apart = abs(last_states[n * run.instances + instance] - last_states[(n - k) * run.instances + instance]);
+        if (!(apart.x < run.period_tolerance && apart.y < run.period_tolerance)) {
+            return false;
         }
     }
-    last_states[recorded % MAX_PERIOD * run.instances + instance] = vec2(x, y);
-    return candidates;
+    return true;
+}
+
+// The least period after which the states of the window repeat; 0 if there is none.
+fn period_of(instance: u32) -> u32 {
+    for (var k = 1u; k <= min(run.max_period, run.window / 2u); k++) {
+        if (repeats(instance, k)) {
+            return k;
+        }
+    }
+    return 0u;
 }

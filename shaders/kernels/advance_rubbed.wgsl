@@ -69,8 +69,11 @@ fn advance_rubbed(@builtin(global_invocation_id) thread: vec3<u32>) {
             sums.growth += growth;
             sums.birkhoff = fma(growth, birkhoff_weights[index], sums.birkhoff);
             if (index >= run.unrecorded) {
-                orbit.candidates =
-                    record(instance, index - run.unrecorded, orbit.x, y, run.period_tolerance, orbit.candidates);
+                let recorded = index - run.unrecorded;
+                record(instance, recorded, orbit.x, y);
+                if (recorded + 1u == run.window) {
+                    orbit.period = period_of(instance);
+                }
             }
         }
         period++;

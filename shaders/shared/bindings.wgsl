@@ -8,6 +8,9 @@ struct Run {
     renormalise_every: u32,
     // Measured periods before the stroboscopic window.
     unrecorded: u32,
+    // States of that window, and the longest period that is looked for in them.
+    window: u32,
+    max_period: u32,
     period_tolerance: f32,
 }
 
@@ -34,8 +37,8 @@ struct Orbit {
     y: f32,
     x_min: f32,
     x_max: f32,
-    // Bit k-1 is set while all stroboscopic states k periods apart agree.
-    candidates: u32,
+    // Forcing periods after which the motion repeats, once the run has ended; 0 if it does not.
+    period: u32,
     // The period, counted from 1, at whose end the instance was found to have run away; 0 if it has not.
     runaway_period: u32,
     // 1 once the scheme has given the instance up, else 0.

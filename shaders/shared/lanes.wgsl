@@ -176,14 +176,10 @@ fn record_states(thread: u32, goes_on: Mask, recorded: u32, orbit: Orbits) {
     for (var lane = 0u; lane < LANES; lane++) {
         if (is_at(goes_on, lane)) {
             let instance = instance_at(thread, lane);
-            orbits[instance].candidates = record(
-                instance,
-                recorded,
-                real_at(orbit.x, lane),
-                real_at(orbit.y, lane),
-                run.period_tolerance,
-                orbits[instance].candidates,
-            );
+            record(instance, recorded, real_at(orbit.x, lane), real_at(orbit.y, lane));
+            if (recorded + 1u == run.window) {
+                orbits[instance].period = period_of(instance);
+            }
         }
     }
 }

@@ -7,6 +7,9 @@ struct Run {
     instances: u32,
     // Measured periods before the stroboscopic window.
     unrecorded: u32,
+    // States of that window, and the longest period that is looked for in them.
+    window: u32,
+    max_period: u32,
     period_tolerance: f32,
     // Error of a step: of v in units of 1 outside the friction layer and of its half-width inside, of p relative.
     tolerance: f32,
@@ -89,8 +92,8 @@ struct Orbit {
     // Least and greatest x since they were last set.
     x_min: f32,
     x_max: f32,
-    // Bit k-1 is set while all stroboscopic states k periods apart agree.
-    candidates: u32,
+    // Forcing periods after which the motion repeats, once the run has ended; 0 if it does not.
+    period: u32,
     // 1 where the instance was given up, else 0; and the period, counted from 1, in which it was.
     under_resolved: u32,
     runaway: u32,

@@ -28,7 +28,7 @@ pub fn stroboscopic_states(
         .for_model(instances.iter().any(ParameterSet::is_rubbed))
         .map_err(|error| BackendError::Unsupported(error.to_string()))?;
     let mut all_ends = Vec::with_capacity(instances.len());
-    let batch_size = backend.batch_size();
+    let batch_size = backend.batch_size(settings);
     for batch in instances.chunks(batch_size) {
         backend.load(settings, batch)?;
         let first_instance = all_ends.len();

@@ -1,70 +1,244 @@
-//! An attracting cycle, from some turns of an orbit along it.
+//! A cycle, from some turns of an orbit along it.
 //!
-//! Owns what makes a cycle certain, and its measurement; carries nothing on.
+//! Owns what makes a cycle certain, and its measurement.
 
-use super::EndState;
+use std::collections::BTreeMap;
+
 use super::evaluation::{checked, is_resolved};
+use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
+use crate::dynamics::divergence_check::CHECKED_EVERY;
 use crate::dynamics::floquet::{Multipliers, Turn};
+use crate::experiment::Settings;
 use crate::measurement::{BackendKind, Class, Contact, Measurement, Status};
+use crate::parameters::ParameterSet;
 
 /// Turns that are watched: two for the multipliers, one more for how sure they are.
-pub(super) const TURNS: u32 = 3;
+const TURNS: u32 = 3;
 
 /// An orbit is on a cycle once it is this near, by what the multipliers make of its last turns. They are then good to about
 /// as much.
 const NEAR: f64 = 1e-5;
 
-/// An attracting cycle that an orbit is on.
-pub(super) struct AttractingCycle {
-    /// In forcing periods.
-    period: u32,
-    /// Length of a turn in tau.
-    turn_time: f64,
-    exponents: [f64; 2],
-    /// By how much further turns may change the exponents.
-    errors: [f64; 2],
+/// States of a turn are the same if they are apart by no more than so many times what the orbit has to go to its cycle
+/// from both: once by the triangle's inequality, and more where directions are stretched unequally.
+const APART: f64 = 4.0;
+
+/// Without a drive there is no cycle of forcing periods but rest: x then stays within this.
+const REST: f64 = 1e-4;
+
+/// Rounding of a forcing period, in units of the number type's last place; over more of them it adds up as random steps do.
+const ROUNDING: f64 = 100.0;
+
+/// An orbit that may be on a cycle.
+pub(super) struct Candidate {
+    /// The instance, begun in the present state.
+    pub instance: ParameterSet,
+    /// Its first tangent vector.
+    pub tangent: [f64; 2],
+    /// Of the cycle or a multiple of it, in forcing periods.
+    pub period: u32,
 }
 
-impl AttractingCycle {
-    /// The cycle of `period` forcing periods along which an orbit has made [`TURNS`] turns of `turn_time`, the last of which
-    /// moved it by `moved`; None where the orbit is too far from it, or it does not surely attract.
-    pub fn new(period: u32, turn_time: f64, moved: f64, turns: &[Turn]) -> Option<Self> {
-        let [before, last] = [0, 1].map(|i| Multipliers::new(&turns[i], &turns[i + 1]));
-        let exponents = last.log_moduli().map(|log| log / turn_time);
-        // an orbit's approach, and what it still changes, shrink by the multiplier in every turn
-        let approach = -(exponents[0] * turn_time).exp_m1();
-        let errors = [0, 1].map(|i| (before.log_moduli()[i] / turn_time - exponents[i]).abs() / approach);
-        let is_near = moved / last.distance_from_one() < NEAR;
-        let attracts = exponents[0] < 0.0 && exponents[0] + 3.0 * errors[0] < 0.0;
-        (is_near && attracts).then_some(Self {
-            period,
-            turn_time,
-            exponents,
-            errors,
+/// A candidate after it has been watched.
+pub(super) struct Turned {
+    pub end: EndState,
+    /// How long.
+    pub periods: u32,
+    /// What is known of it if it is on a cycle, whether that attracts or not.
+    pub measurement: Option<Measurement>,
+}
+
+/// Watches candidates along their cycles.
+///
+/// # Errors
+/// If the backend fails.
+pub(super) fn turn(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    candidates: &[Candidate],
+) -> Result<Vec<Turned>, BackendError> {
+    let mut by_period: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for (index, candidate) in candidates.iter().enumerate() {
+        by_period.entry(candidate.period).or_default().push(index);
+    }
+    let mut turned: Vec<Option<Turned>> = candidates.iter().map(|_| None).collect();
+    for (period, indices) in by_period {
+        let alike: Vec<&Candidate> = indices.iter().map(|&index| &candidates[index]).collect();
+        for (index, result) in indices.into_iter().zip(turn_alike(backend, settings, period, &alike)?) {
+            turned[index] = Some(result);
+        }
+    }
+    Ok(turned.into_iter().flatten().collect())
+}
+
+/// Watches candidates for cycles of the same period.
+fn turn_alike(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    period: u32,
+    candidates: &[&Candidate],
+) -> Result<Vec<Turned>, BackendError> {
+    let settings = Settings {
+        transient_periods: 0,
+        align_periods: 0,
+        periods: TURNS * period,
+        ..settings.clone()
+    };
+    let instances: Vec<ParameterSet> = candidates.iter().map(|candidate| candidate.instance).collect();
+    let tangents: Vec<[f64; 2]> = candidates.iter().map(|candidate| candidate.tangent).collect();
+    backend.load(&settings, &instances)?;
+    backend.set_tangents(&tangents)?;
+    let mut tracks: Vec<Track> = candidates.iter().map(|candidate| Track::new(candidate)).collect();
+    let mut ends = Vec::new();
+    for turn in 0..TURNS {
+        // of the last two turns every state is looked at
+        let periods = if turn == 0 { period } else { 1 };
+        for done in (0..period).step_by(periods as usize) {
+            let first = turn * period + done;
+            backend.advance(&Slice {
+                // of the last turn the sum of the exponents is checked
+                stage: if turn + 1 == TURNS {
+                    Stage::Check
+                } else {
+                    Stage::Measure
+                },
+                first,
+                periods,
+                elapsed: first,
+            })?;
+            ends = backend.end_states()?;
+            for (track, end) in tracks.iter_mut().zip(&ends) {
+                track.states.push([end.x, end.y]);
+            }
+        }
+        let sums = backend.collect()?;
+        for ((track, end), sums) in tracks.iter_mut().zip(&ends).zip(&sums) {
+            track.end_turn(end, sums, turn + 1 == TURNS);
+        }
+    }
+    let kind = backend.kind();
+    Ok(candidates
+        .iter()
+        .zip(tracks.iter().zip(ends))
+        .map(|(candidate, (track, end))| Turned {
+            measurement: track.measurement(candidate, &end, kind),
+            periods: settings.periods,
+            end,
         })
+        .collect())
+}
+
+/// An orbit's turns.
+struct Track {
+    turns: Vec<Turn>,
+    tangent: [f64; 2],
+    /// Integral of the divergence over all turns.
+    divergence: f64,
+    /// By how much both vectors' growth over the last turn misses its divergence.
+    defect: f64,
+    /// States of the last two turns, that in which they began first.
+    states: Vec<[f64; 2]>,
+}
+
+impl Track {
+    fn new(candidate: &Candidate) -> Self {
+        Self {
+            turns: Vec::with_capacity(TURNS as usize),
+            tangent: candidate.tangent,
+            divergence: 0.0,
+            defect: 0.0,
+            states: Vec::new(),
+        }
     }
 
-    /// The measurement of the orbit, which has ended as given; `divergence` is its integral over the turns.
-    pub fn measurement(&self, divergence: f64, end: &EndState, backend: BackendKind) -> Measurement {
+    fn end_turn(&mut self, end: &EndState, sums: &Sums, is_checked: bool) {
+        let [first, second] = sums.growth;
+        if is_checked {
+            self.defect = (first + second - sums.divergence) / f64::from(CHECKED_EVERY);
+        }
+        self.turns.push(Turn {
+            from: self.tangent,
+            to: end.tangent,
+            growth: [first, sums.divergence - first],
+        });
+        self.tangent = end.tangent;
+        self.divergence += sums.divergence;
+    }
+
+    /// How far the last turn moved the orbit.
+    fn moved(&self) -> f64 {
+        self.moved_at(self.states.len() - 1)
+    }
+
+    /// How far the last turn has moved a state of it.
+    fn moved_at(&self, n: usize) -> f64 {
+        distance(self.states[n], self.states[n - self.states.len() / 2])
+    }
+
+    /// The least divisor of the turn's periods after which its states are the same, where `reach` tells of two of them by how
+    /// far the turn has moved them how far they may be apart.
+    fn least_period(&self, reach: impl Fn(f64, f64) -> f64) -> usize {
+        let turn = self.states.len() / 2;
+        let is_same =
+            |n: usize, m: usize| distance(self.states[n], self.states[m]) <= reach(self.moved_at(n), self.moved_at(m));
+        let repeats = |d: usize| (turn + d..=2 * turn).all(|n| is_same(n, n - d));
+        (1..turn)
+            .find(|&d| turn.is_multiple_of(d) && repeats(d))
+            .unwrap_or(turn)
+    }
+
+    /// The measurement of the orbit, which has ended as given; None where it is too far from a cycle, or it is not sure
+    /// whether that attracts.
+    fn measurement(&self, candidate: &Candidate, end: &EndState, backend: BackendKind) -> Option<Measurement> {
+        let may_be_cycle = candidate.instance.is_driven() || end.x_max - end.x_min < REST;
+        if end.runaway_periods.is_some() || end.under_resolved || !may_be_cycle {
+            return None;
+        }
+        let turn_time = f64::from(candidate.period) * candidate.instance.forcing_period();
+        let [before, last] = [0, 1].map(|i| Multipliers::new(&self.turns[i], &self.turns[i + 1]));
+        let exponents = last.log_moduli().map(|log| log / turn_time);
+        // an orbit's approach, and what it still changes, shrink by the multiplier in every turn
+        let approach = (exponents[0] * turn_time).exp_m1().abs();
+        let changes = [0, 1].map(|i| (before.log_moduli()[i] / turn_time - exponents[i]).abs() / approach);
+        // what the sum misses, the scheme may have missed of either
+        let defect = self.defect / turn_time;
+        let errors = changes.map(|change| change + defect.abs());
+        let distance_from_one = last.distance_from_one();
+        let left_to_go = self.moved() / distance_from_one;
+        let class = if exponents[0] + 3.0 * errors[0] < 0.0 && left_to_go < NEAR {
+            Class::Regular
+        } else if exponents[0] - 3.0 * errors[0] > 0.0 && self.moved() == 0.0 {
+            // what comes back to the very same numbers never leaves
+            Class::Unstable
+        } else {
+            return None;
+        };
+        let rounding =
+            ROUNDING * f64::from(candidate.period).sqrt() * backend.epsilon() * (1.0 + end.x.abs() + end.y.abs());
+        let reach = |moved: f64, other: f64| (APART * (moved + other) + rounding) / distance_from_one;
         let measurement = Measurement {
-            class: Some(Class::Regular),
-            lyapunov: self.exponents[0],
-            lyapunov_error: self.errors[0],
-            lyapunov_second: self.exponents[1],
-            lyapunov_second_error: self.errors[1],
-            divergence: divergence / (f64::from(TURNS) * self.turn_time),
-            lyapunov_birkhoff: self.exponents[0],
-            lyapunov_interval: self.turn_time,
-            period: Some(self.period),
+            class: Some(class),
+            lyapunov: exponents[0],
+            lyapunov_error: errors[0],
+            lyapunov_second: exponents[1] + defect,
+            lyapunov_second_error: errors[1],
+            divergence: self.divergence / (f64::from(TURNS) * turn_time),
+            lyapunov_birkhoff: exponents[0],
+            lyapunov_interval: turn_time,
+            period: Some(self.least_period(reach) as u32),
             x: end.x,
             y: end.y,
             x_min: end.x_min,
             x_max: end.x_max,
             contact: Contact::CONSTANT,
-            attractors: 1,
+            attractors: u32::from(class == Class::Regular),
             ..Measurement::unmeasured(Status::Ok, backend)
         };
         let resolved = is_resolved(&measurement);
-        checked(measurement, resolved)
+        Some(checked(measurement, resolved))
     }
+}
+
+fn distance([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
+    (ax - bx).hypot(ay - by)
 }

@@ -9,15 +9,12 @@
 //! - An orbit whose mean growth stands many standard errors above zero is chaotic.
 //! - Runaways, and what the scheme has given up, are dropped.
 
-use std::collections::BTreeMap;
 use std::ops::{ControlFlow, Range};
 
-use super::cycle::{AttractingCycle, TURNS};
+use super::cycle::{self, Candidate};
 use super::evaluation::{Ended, Growth, runaway};
 use super::run::{Start, measure_alike};
-use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
-use crate::dynamics::floquet::Turn;
-use crate::dynamics::stroboscope;
+use super::{Backend, BackendError, EndState, Slice, Stage};
 use crate::experiment::Settings;
 use crate::measurement::{BackendKind, CONSTANT_GROWTH, Class, Contact, Measurement, Status};
 use crate::parameters::{Parameter, ParameterSet};
@@ -131,6 +128,15 @@ impl Live {
         self.parameters.with(Parameter::X0, x).with(Parameter::Y0, y)
     }
 
+    /// The instance as one that may be on a cycle.
+    fn on_cycle(&self) -> Option<Candidate> {
+        Some(Candidate {
+            instance: self.instance(),
+            tangent: self.tangent,
+            period: self.candidate?,
+        })
+    }
+
     fn take(&mut self, end: &EndState) {
         self.state = [end.x, end.y];
         self.tangent = end.tangent;
@@ -144,7 +150,7 @@ impl Live {
             tangent: self.tangent,
             x_min: self.extremes[0],
             x_max: self.extremes[1],
-            candidates: 0,
+            period: None,
             runaway_periods: None,
             under_resolved: false,
             contact: Contact::CONSTANT,
@@ -215,12 +221,10 @@ impl Batch<'_> {
             }
         }
         let kind = backend.kind();
-        let window = stroboscope::window(leg.end - leg.start);
         for (live, end) in self.live.iter_mut().zip(backend.end_states()?) {
             live.take(&end);
-            // the motion alone is not compared
-            let compared = (stage == Stage::Measure).then_some(end.candidates);
-            live.candidate = compared.and_then(|candidates| stroboscope::period(candidates, window));
+            // none of the motion alone, whose states are not compared
+            live.candidate = end.period;
             if leg.start >= SETTLING {
                 live.extremes = [live.extremes[0].min(end.x_min), live.extremes[1].max(end.x_max)];
             }
@@ -229,58 +233,20 @@ impl Batch<'_> {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// Measures the instances that are on an attracting cycle.
+    /// Measures the instances that are on a cycle.
     fn find_cycles(&mut self, backend: &mut dyn Backend) -> Result<(), BackendError> {
-        let mut by_period: BTreeMap<u32, Vec<Live>> = BTreeMap::new();
-        for live in std::mem::take(&mut self.live) {
-            match live.candidate.filter(|_| self.measured[live.index].is_none()) {
-                Some(period) => by_period.entry(period).or_default().push(live),
-                None => self.live.push(live),
-            }
+        let (measured, kind) = (&mut self.measured, backend.kind());
+        let on_cycle = |live: &&mut Live| live.candidate.is_some() && measured[live.index].is_none();
+        let mut watched: Vec<&mut Live> = self.live.iter_mut().filter(on_cycle).collect();
+        let candidates: Vec<Candidate> = watched.iter().filter_map(|live| live.on_cycle()).collect();
+        for (live, turned) in watched
+            .iter_mut()
+            .zip(cycle::turn(backend, self.settings, &candidates)?)
+        {
+            live.turned += turned.periods;
+            live.take(&turned.end);
+            measured[live.index] = live.given_up(&turned.end, kind).or(turned.measurement);
         }
-        by_period
-            .into_iter()
-            .try_for_each(|(period, on_cycle)| self.turn(backend, period, on_cycle))
-    }
-
-    /// Turns instances along cycles of so many periods, and measures those whose cycle is found.
-    fn turn(&mut self, backend: &mut dyn Backend, period: u32, mut on_cycle: Vec<Live>) -> Result<(), BackendError> {
-        let settings = self.over(TURNS * period);
-        let mut turns = vec![Vec::with_capacity(TURNS as usize); on_cycle.len()];
-        let (mut moved, mut divergence) = (vec![0.0; on_cycle.len()], vec![0.0; on_cycle.len()]);
-        let mut ends = Vec::new();
-        load(backend, &settings, &on_cycle)?;
-        for turn in 0..TURNS {
-            backend.advance(&Slice {
-                stage: Stage::Measure,
-                first: turn * period,
-                periods: period,
-                elapsed: turn * period,
-            })?;
-            let sums = backend.collect()?;
-            ends = backend.end_states()?;
-            for (i, live) in on_cycle.iter_mut().enumerate() {
-                let Sums { growth, .. } = sums[i];
-                let (from, to) = (live.tangent, ends[i].tangent);
-                turns[i].push(Turn { from, to, growth });
-                divergence[i] += sums[i].divergence;
-                moved[i] = (ends[i].x - live.state[0]).hypot(ends[i].y - live.state[1]);
-                live.take(&ends[i]);
-            }
-        }
-        let kind = backend.kind();
-        for (i, live) in on_cycle.iter_mut().enumerate() {
-            live.turned += TURNS * period;
-            let window = stroboscope::window(settings.periods);
-            // an orbit that came nearer while it was watched shows a multiple of its period at first
-            let least = stroboscope::period(ends[i].candidates, window);
-            let turn_time = f64::from(period) * live.parameters.forcing_period();
-            let cycle = least.and_then(|least| AttractingCycle::new(least, turn_time, moved[i], &turns[i]));
-            self.measured[live.index] = live
-                .given_up(&ends[i], kind)
-                .or_else(|| Some(cycle?.measurement(divergence[i], &ends[i], kind)));
-        }
-        self.live.append(&mut on_cycle);
         Ok(())
     }
 

@@ -56,16 +56,24 @@ impl Growth {
         weights.iter().zip(rates).map(|(weight, rate)| weight * rate).sum()
     }
 
-    /// Growth per period over the whole batches in the last `periods`, at least one.
-    fn rate_over_last(&self, periods: u32) -> f64 {
-        let mut sum = (0.0, 0.0);
-        for batch in self.batches.iter().rev() {
-            if sum.0 > 0.0 && sum.0 + batch.0 > f64::from(periods) {
-                break;
-            }
-            sum = (sum.0 + batch.0, sum.1 + batch.1);
+    /// The whole batches in the last `periods`, at least one.
+    fn over_last(&self, periods: u32) -> Self {
+        let mut length = 0.0;
+        let within = self.batches.iter().rev().take_while(|batch| {
+            length += batch.0;
+            length <= f64::from(periods)
+        });
+        let first = self.batches.len() - within.count().max(1);
+        Self {
+            batches: self.batches[first..].to_vec(),
+            second_batches: self.second_batches[first..].to_vec(),
+            total: Sums::default(),
         }
-        sum.1 / sum.0
+    }
+
+    /// Growth of the first vector per period, over all batches.
+    fn rate(&self) -> f64 {
+        rate(&self.batches)
     }
 
     /// The measurement of an instance.
@@ -93,8 +101,49 @@ impl Growth {
             divergence: self.total.divergence / time,
             ..measurement
         };
+        // what the sum misses, the scheme may have missed of either
+        let defect = measurement.divergence_defect().abs();
+        let measurement = Measurement {
+            lyapunov_error: measurement.lyapunov_error + defect,
+            lyapunov_second_error: measurement.lyapunov_second_error + defect,
+            ..measurement
+        };
         let resolved = is_resolved(&measurement);
+        let measurement = self.settled(ended, measurement);
         checked(measurement, resolved && !state.under_resolved)
+    }
+
+    /// The measurement of an orbit that has settled on an attracting cycle: where what came before had another growth, by
+    /// more than a window's average swings, its exponents are those of the window alone.
+    fn settled(&self, ended: &Ended<'_>, measurement: Measurement) -> Measurement {
+        let (Some(period), Some(Class::Regular)) = (ended.state.period, measurement.class) else {
+            return measurement;
+        };
+        let window = stroboscope::window(ended.settings.periods, ended.settings.max_period);
+        let last = self.over_last(stroboscope::span_of(period, window));
+        let period_time = ended.parameters.forcing_period();
+        let interval = last.batches.iter().map(|batch| batch.0).sum::<f64>() * period_time;
+        let [first, second] = [&last.batches, &last.second_batches].map(|batches| rate(batches) / period_time);
+        if first >= 0.0 || (measurement.lyapunov - first).abs() * interval < 1.0 {
+            return measurement;
+        }
+        let [lyapunov, lyapunov_second] = statistics::exponents([first, second]);
+        let error = |batches: &[(f64, f64)]| statistics::standard_error(batches) / period_time;
+        let has_second = !measurement.lyapunov_second.is_nan();
+        Measurement {
+            lyapunov: if has_second { lyapunov } else { first },
+            lyapunov_error: error(&last.batches),
+            lyapunov_birkhoff: first,
+            lyapunov_interval: interval,
+            lyapunov_second: if has_second { lyapunov_second } else { f64::NAN },
+            lyapunov_second_error: if has_second {
+                error(&last.second_batches)
+            } else {
+                f64::NAN
+            },
+            divergence: if has_second { first + second } else { f64::NAN },
+            ..measurement
+        }
     }
 
     /// The measurement of a motion that lasts, given its maximal exponent.
@@ -110,10 +159,11 @@ impl Growth {
         let lyapunov_error = statistics::standard_error(&self.batches) / period_time;
         let lyapunov_birkhoff = self.total.birkhoff / period_time;
         let time = f64::from(elapsed) * period_time;
-        let window = stroboscope::window(settings.periods);
-        let cycle = stroboscope::period(state.candidates, window).map(|period| Cycle {
+        let window = stroboscope::window(settings.periods, settings.max_period);
+        let may_be_cycle = parameters.is_driven() || state.x_max - state.x_min < settings.period_tolerance;
+        let cycle = state.period.filter(|_| may_be_cycle).map(|period| Cycle {
             period,
-            growth_rate: self.rate_over_last(window) / period_time,
+            growth_rate: self.over_last(stroboscope::span_of(period, window)).rate() / period_time,
         });
         let lyapunov_interval = f64::from(settings.periods) * period_time;
         let class = Class::of(lyapunov, lyapunov_error, lyapunov_interval, cycle, lyapunov_birkhoff);
@@ -137,7 +187,8 @@ impl Growth {
             x_min: state.x_min,
             x_max: state.x_max,
             chaotic_fraction: f64::from(u8::from(class == Class::Chaotic)),
-            attractors: 1,
+            attractors: u32::from(class != Class::Unstable),
+            unsettled_fraction: 0.0,
             contact: state.contact,
             backend,
             initial_state: [parameters[Parameter::X0], parameters[Parameter::Y0]],
@@ -157,7 +208,7 @@ impl Growth {
         let time = f64::from(settings.periods) * parameters.forcing_period();
         let growth = self.total.growth[0];
         if !parameters.wears() {
-            let measurement = self.lasting_measurement(ended, growth / time);
+            let measurement = self.settled(ended, self.lasting_measurement(ended, growth / time));
             return checked(measurement, !state.under_resolved);
         }
         let interval = state.contact.lost.unwrap_or(time);
@@ -176,6 +227,14 @@ impl Growth {
             measurement
         }
     }
+}
+
+/// Growth per period over batches.
+fn rate(batches: &[(f64, f64)]) -> f64 {
+    let [length, growth] = batches
+        .iter()
+        .fold([0.0, 0.0], |sum, batch| [sum[0] + batch.0, sum[1] + batch.1]);
+    growth / length
 }
 
 /// Whether the sum of the exponents is the mean divergence; written so that NaN fails.
@@ -221,7 +280,8 @@ fn reached(cycle: &Cycle, lyapunov: f64, error: f64, settings: &Settings, time: 
     let decay = if lyapunov < 0.0 {
         -lyapunov * time
     } else {
-        -cycle.growth_rate * f64::from(stroboscope::window(settings.periods)) * period_time
+        let window = stroboscope::window(settings.periods, settings.max_period);
+        -cycle.growth_rate * f64::from(stroboscope::span_of(cycle.period, window)) * period_time
     };
     decay > (10.0 / settings.period_tolerance).ln()
 }

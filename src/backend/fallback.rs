@@ -26,11 +26,20 @@ const ESCAPE_TOLERANCE: f64 = 1e-6;
 /// and schemes differ by too much, and it is followed from the beginning of the period at whose end it was noticed.
 const MOST_ESCAPE_PERIODS: u32 = 512;
 
+/// A sum of exponents that misses the divergence by more than this, relative to 1 + |divergence|, tells of a motion that is
+/// rougher than the steps of taylor in f64 were made for.
+const ROUGH: f64 = 5e-5;
+
+fn is_rough(measurement: &Measurement) -> bool {
+    measurement.backend == BackendKind::CpuF64
+        && measurement.divergence_defect().abs() > ROUGH * (1.0 + measurement.divergence.abs())
+}
+
 /// Completes the measurements of instances of constant contact pressure by the scheme of `settings`. None if `progress` broke
 /// it off.
 ///
 /// - Where an orbit ran away, the time is found within the period; one that did so by the scheme alone is under-resolved.
-/// - What is under-resolved is measured anew. Of rk4, whose steps were asked for as they are, only an escape is taken.
+/// - What is under-resolved, or [`ROUGH`], is measured anew. Of rk4, whose steps were asked for as they are, only an escape is taken.
 ///
 /// # Errors
 /// If the CPU backend fails.
@@ -83,7 +92,10 @@ pub(super) fn complete(
     }
 
     let given_up: Vec<usize> = (0..measured.len())
-        .filter(|&index| measured[index].status == Status::UnderResolved && !is_radau_f64(&measured[index]))
+        .filter(|&index| {
+            let m = &measured[index];
+            (m.status == Status::UnderResolved || (scheme == Scheme::Taylor && is_rough(m))) && !is_radau_f64(m)
+        })
         .collect();
     let chosen: Vec<_> = given_up.iter().map(|&index| instances[index]).collect();
     // it was reported as done before

@@ -10,9 +10,11 @@ mod fallback;
 pub mod gpu;
 mod run;
 pub mod twins;
+mod undriven;
 
 pub use run::measure_batch;
 
+use crate::dynamics::divergence_check;
 use crate::experiment::Settings;
 use crate::measurement::{BackendKind, Contact};
 use crate::parameters::ParameterSet;
@@ -26,6 +28,26 @@ pub enum Stage {
     Align,
     /// Everything is summed up.
     Measure,
+    /// Everything is summed up, and the sum of the exponents is checked in every period: what it misses counts as often as
+    /// in the few checked periods of a measurement,
+    /// [`CHECKED_EVERY`](crate::dynamics::divergence_check::CHECKED_EVERY) times.
+    Check,
+}
+
+impl Stage {
+    /// Whether everything is summed up.
+    pub fn is_measured(self) -> bool {
+        matches!(self, Self::Measure | Self::Check)
+    }
+
+    /// Whether the period `index` of the stage is gone through with both tangent vectors.
+    pub fn is_checked(self, index: u32) -> bool {
+        match self {
+            Self::Transient | Self::Align => false,
+            Self::Measure => divergence_check::is_checked(index),
+            Self::Check => true,
+        }
+    }
 }
 
 /// Some forcing periods that a backend carries its whole batch on by.
@@ -61,8 +83,9 @@ pub struct EndState {
     pub tangent: [f64; 2],
     pub x_min: f64,
     pub x_max: f64,
-    /// Candidates for the period; see [`period`](crate::dynamics::stroboscope::period).
-    pub candidates: u32,
+    /// Forcing periods after which the motion repeats, at the end of a run; see
+    /// [`period_of`](crate::dynamics::stroboscope::period_of).
+    pub period: Option<u32>,
     /// When the instance ran away, in forcing periods since the start of the run: the end of the period in which it did,
     /// unless the scheme knows better.
     pub runaway_periods: Option<f64>,
@@ -79,7 +102,7 @@ pub trait Backend {
     fn device(&self) -> String;
 
     /// A good number of instances for one batch: enough to fill the device, not more than it holds.
-    fn batch_size(&self) -> usize;
+    fn batch_size(&self, settings: &Settings) -> usize;
 
     /// Takes a new batch, at the beginning of its run; what was loaded before is dropped.
     ///

@@ -6,12 +6,13 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
+use super::cycle::{self, Candidate};
 use super::evaluation::{Ended, Growth};
-use super::{Backend, BackendError, Slice, Stage, early, fallback};
+use super::{Backend, BackendError, EndState, Slice, Stage, early, fallback, undriven};
 use crate::dynamics::statistics;
 use crate::experiment::{Scheme, Settings};
-use crate::measurement::{BackendKind, Measurement};
-use crate::parameters::ParameterSet;
+use crate::measurement::{BackendKind, Measurement, Status};
+use crate::parameters::{Parameter, ParameterSet};
 
 /// Longest slice, so that progress shows and a run can be cancelled.
 const LONGEST_SLICE: u32 = 16;
@@ -56,7 +57,10 @@ pub fn measure_batch(
         if indices.is_empty() {
             continue;
         }
-        let instances: Vec<_> = indices.iter().map(|&index| instances[index]).collect();
+        let instances: Vec<_> = indices
+            .iter()
+            .map(|&index| undriven::instance(&instances[index]))
+            .collect();
         // all kinds count as a whole run, which is what was announced
         let progress = &mut |instance_periods: u64| progress(instance_periods * whole_run / share);
         let batch = if instances[0].is_rubbed() {
@@ -95,13 +99,24 @@ pub(super) fn measure_lasting(
     instances: &[ParameterSet],
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<Vec<Measurement>>, BackendError> {
-    // the GPU's kernel of radau does not sum up the divergence
-    let sums_all = settings.scheme() != Scheme::Radau || backend.kind() != BackendKind::GpuF32;
-    if settings.decide_early && sums_all {
-        early::measure(backend, settings, instances, progress)
+    let sums_all = sums_all(backend, settings);
+    let measured = if settings.decide_early && sums_all {
+        early::measure(backend, settings, instances, progress)?
     } else {
-        measure_alike(backend, settings, instances, Start::default(), progress)
+        measure_alike(backend, settings, instances, Start::default(), progress)?
+    };
+    let Some(mut measured) = measured else {
+        return Ok(None);
+    };
+    if sums_all {
+        undriven::measure_limit_cycles(backend, settings, instances, &mut measured)?;
     }
+    Ok(Some(measured))
+}
+
+/// Whether the divergence is summed up, without which multipliers are not known: not by the GPU's kernel of radau.
+fn sums_all(backend: &dyn Backend, settings: &Settings) -> bool {
+    settings.scheme() != Scheme::Radau || backend.kind() != BackendKind::GpuF32
 }
 
 /// Where a run begins that goes on from an earlier one; by default, there is none.
@@ -165,19 +180,55 @@ pub(super) fn measure_alike(
     }
     let ends = backend.end_states()?;
     let kind = backend.kind();
-    Ok(Some(
-        instances
-            .par_iter()
-            .zip(growth.par_iter().zip(&ends))
-            .map(|(parameters, (growth, state))| {
-                growth.measurement(&Ended {
-                    parameters,
-                    settings,
-                    elapsed,
-                    state,
-                    backend: kind,
-                })
+    let mut measured: Vec<Measurement> = instances
+        .par_iter()
+        .zip(growth.par_iter().zip(&ends))
+        .map(|(parameters, (growth, state))| {
+            growth.measurement(&Ended {
+                parameters,
+                settings,
+                elapsed,
+                state,
+                backend: kind,
             })
-            .collect(),
-    ))
+        })
+        .collect();
+    if !instances[0].is_rubbed() && sums_all(backend, settings) {
+        measure_cycles(backend, settings, instances, &ends, &mut measured)?;
+    }
+    Ok(Some(measured))
+}
+
+/// Measures those anew that have ended on a cycle: its multipliers are their exponents, whatever came before.
+fn measure_cycles(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    instances: &[ParameterSet],
+    ends: &[EndState],
+    measured: &mut [Measurement],
+) -> Result<(), BackendError> {
+    let (indices, candidates): (Vec<usize>, Vec<Candidate>) = (0..instances.len())
+        .filter(|&index| measured[index].status == Status::Ok)
+        .filter_map(|index| {
+            let EndState {
+                x, y, tangent, period, ..
+            } = ends[index];
+            let candidate = Candidate {
+                instance: instances[index].with(Parameter::X0, x).with(Parameter::Y0, y),
+                tangent,
+                period: period?,
+            };
+            Some((index, candidate))
+        })
+        .unzip();
+    for (index, turned) in indices.into_iter().zip(cycle::turn(backend, settings, &candidates)?) {
+        let before = measured[index];
+        let integrated_periods = before.integrated_periods + turned.periods;
+        measured[index] = Measurement {
+            integrated_periods,
+            initial_state: before.initial_state,
+            ..turned.measurement.unwrap_or(before)
+        };
+    }
+    Ok(())
 }

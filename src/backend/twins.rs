@@ -144,8 +144,8 @@ mod tests {
             fn device(&self) -> String {
                 self.0.device()
             }
-            fn batch_size(&self) -> usize {
-                self.0.batch_size()
+            fn batch_size(&self, settings: &Settings) -> usize {
+                self.0.batch_size(settings)
             }
             fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
                 let bent: Vec<_> = instances

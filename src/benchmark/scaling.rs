@@ -110,7 +110,7 @@ fn time(points: &[ParameterSet], periods: u32) -> Result<f64, BackendError> {
         ..Settings::default()
     };
     let mut backend = CpuBackend::new(Precision::F64);
-    let batch = backend.batch_size();
+    let batch = backend.batch_size(&settings);
     let started = Instant::now();
     for points in points.chunks(batch) {
         measure_batch(&mut backend, &settings, points, &mut |_| ControlFlow::Continue(()))?;

@@ -53,6 +53,7 @@ pub const HIDDEN: &[&str] = &[
     "align_periods",
     "renormalise_every",
     "period_tolerance",
+    "max_period",
     "initial_states",
     "initial_box",
     "seed",

@@ -332,7 +332,7 @@ fn table(files: &mut Files, experiment: &Experiment, lines: &[Line]) -> Result<(
         notes.push("where the contact wears, lambda_1 is of finite time, and has neither error nor class".to_owned());
     }
     if lasts {
-        notes.push("class: 0 chaotic, 1 regular, 2 quasi-periodic, 3 undecided".to_owned());
+        notes.push("class: 0 chaotic, 1 regular, 2 quasi-periodic, 3 undecided, 4 unstable".to_owned());
     }
     let names = ["x0", "y0", axis.coordinate.name()];
     let names: Vec<&str> = names.into_iter().chain(columns.iter().map(|(name, _)| *name)).collect();

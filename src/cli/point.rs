@@ -105,6 +105,7 @@ fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>, 
     if experiment.settings.initial_states > 1 {
         object["chaotic_fraction"] = m.chaotic_fraction.into();
         object["attractors"] = m.attractors.into();
+        object["unsettled_fraction"] = m.unsettled_fraction.into();
     }
     let at = &experiment.grid.fixed;
     if at.machine().is_some() {
@@ -145,7 +146,9 @@ fn print(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) {
     } else {
         say!("maximal exponent    {:.6} +- {:.6}", m.lyapunov, m.lyapunov_error);
     }
-    if !m.divergence.is_nan() {
+    if m.is_on_limit_cycle() {
+        say!("                    (the mean divergence of a limit cycle; the zero along the flow is left out)");
+    } else if !m.divergence.is_nan() {
         say!("second exponent     {:.6}", m.lyapunov_second);
         say!(
             "mean divergence     {:.6}  (sum of the exponents less this: {:.1e})",
@@ -175,6 +178,10 @@ fn print(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) {
             settings.initial_states
         );
         say!("attractors          {}", m.attractors);
+        say!(
+            "not settled         {:.0} % of the initial states",
+            100.0 * m.unsettled_fraction
+        );
     }
     say!(
         "integrated on       {}, {}",

@@ -10,7 +10,7 @@ use clap::Args;
 use serde::Deserialize;
 use serde::de::IntoDeserializer;
 use serde::de::value::{Error as ValueError, StrDeserializer};
-use tribochaos::dynamics::stroboscope::{MAX_PERIOD, WINDOW};
+use tribochaos::dynamics::stroboscope::LEAST_WINDOW;
 use tribochaos::experiment::{BackendChoice, InitialBox, Precision, Preset, Request, Scheme, Settings};
 use tribochaos::grid::{Axis, Coordinate};
 use tribochaos::machine::{Description, governing};
@@ -91,6 +91,9 @@ pub struct ExperimentArgs {
     /// Stroboscopic states are the same where x and y differ by less
     #[arg(long, help_heading = "Numerical settings", value_name = "DISTANCE")]
     pub period_tolerance: Option<f64>,
+    /// Longest period of the motion that is looked for, in forcing periods, up to 1024; twice as many must be measured
+    #[arg(long, help_heading = "Numerical settings", value_name = "PERIODS")]
+    pub max_period: Option<u32>,
     /// Initial states for each point: (x0, y0), and others from the initial box
     #[arg(long, help_heading = "Numerical settings", value_name = "N")]
     pub initial_states: Option<u32>,
@@ -125,7 +128,7 @@ impl ExperimentArgs {
         macro_rules! apply {
             ($($field:ident)*) => { $(if let Some(value) = self.$field { settings.$field = value; })* };
         }
-        apply!(modes tolerance transient_periods align_periods periods renormalise_every period_tolerance
+        apply!(modes tolerance transient_periods align_periods periods renormalise_every period_tolerance max_period
                initial_states initial_box seed backend);
         if self.align_periods.is_none() {
             settings.align_periods = settings.align_periods.min(settings.transient_periods);
@@ -176,6 +179,7 @@ pub fn tell_defaults(command: clap::Command, settings: &Settings, hidden: &[&'st
         ("periods", settings.periods.to_string()),
         ("renormalise_every", settings.renormalise_every.to_string()),
         ("period_tolerance", format!("{:e}", settings.period_tolerance)),
+        ("max_period", settings.max_period.to_string()),
         ("initial_states", settings.initial_states.to_string()),
         ("initial_box", format!("{}:{},{}:{}", x[0], x[1], y[0], y[1])),
         ("seed", settings.seed.to_string()),
@@ -272,9 +276,12 @@ pub fn help() -> String {
         help,
         "\nClasses, by the maximal exponent L (the larger non-trivial one) and its standard error S:\n  \
          chaotic         L - 3 S > 0, and a disturbance grew by more than {growth} over the measurement\n  \
-         regular         L + 3 S < 0, or settled on a cycle of period 1 to {MAX_PERIOD} over the last {WINDOW} periods\n  \
+         regular         L + 3 S < 0, or settled on an attracting cycle of at most --max-period over the\n  \
+                          last {LEAST_WINDOW} periods, and twice over\n  \
          quasi-periodic  no such cycle, |L| < {QUASI_PERIODIC_BOUND:e} by a weighted Birkhoff average, and \
          S < {QUASI_PERIODIC_ERROR:e}\n  \
+         unstable        on such a cycle, or at rest, and never left although disturbances grow at the same rate in every\n  \
+                          period: no attractor\n  \
          undecided       all else\n\
          An orbit that settles on an attracting cycle after a chaotic transient is regular. A run away to\n\
          |x| + |y| >= {RUNAWAY_BOUND:e}, or a sum of exponents that misses the mean divergence by more than {DEFECT_BOUND:e}\n\

@@ -1,70 +1,70 @@
 //! The period of the motion from stroboscopic states.
 //!
-//! Owns the comparison of states a whole number of forcing periods apart, done as they come, so that no history is
-//! kept beyond the last 32. Twin: `shaders/dynamics/stroboscope.wgsl`.
+//! Owns which states are kept, and their comparison, done once at the end of a run: in its periods nothing is done but to
+//! keep a state. Twin: `shaders/dynamics/stroboscope.wgsl`.
 
-/// The longest period that is looked for, in forcing periods.
-pub const MAX_PERIOD: usize = 32;
+use crate::lanes::Real;
 
-/// The motion must repeat over this many last forcing periods.
-pub const WINDOW: u32 = 64;
+/// The motion must repeat over this many last forcing periods at least.
+pub const LEAST_WINDOW: u32 = 64;
 
-/// Number of last states compared in a run of `periods`: those at the ends of its last [`WINDOW`] periods.
-pub fn window(periods: u32) -> u32 {
-    periods.min(WINDOW)
+/// Most states that are kept where periods up to `max_period` are looked for.
+pub const fn most_states(max_period: u32) -> u32 {
+    if 2 * max_period > LEAST_WINDOW {
+        2 * max_period
+    } else {
+        LEAST_WINDOW
+    }
 }
 
-/// The period that a bit set of candidates means: bit k-1 stands for k, and the least counts. Only periods that
-/// fit at least twice into the window are trusted.
-pub fn period(candidates: u32, window: u32) -> Option<u32> {
-    let period = candidates.trailing_zeros() + 1;
-    (2 * period <= window && period <= MAX_PERIOD as u32).then_some(period)
+/// States that are kept of a run of `periods`: those at the ends of its last ones.
+pub fn window(periods: u32, max_period: u32) -> u32 {
+    periods.min(most_states(max_period))
 }
 
-/// Compares each stroboscopic state with those up to [`MAX_PERIOD`] periods before it.
+/// The last of `window` states over which a motion must repeat for `period` to be its period.
+pub fn span_of(period: u32, window: u32) -> u32 {
+    window.min(most_states(period))
+}
+
+/// The least period, up to `max_period`, after which the states of a window repeat, where `agree` tells of two of them
+/// whether they are the same. Only periods that fit at least twice into the window are trusted.
+pub fn period_of(window: u32, max_period: u32, agree: impl Fn(u32, u32) -> bool) -> Option<u32> {
+    (1..=max_period.min(window / 2)).find(|&k| repeats(k, window, &agree))
+}
+
+/// Whether all states `k` periods apart agree, from the last ones back.
+fn repeats(k: u32, window: u32, agree: impl Fn(u32, u32) -> bool) -> bool {
+    let first = window - span_of(k, window);
+    (first + k..window).rev().all(|n| agree(n, n - k))
+}
+
+/// The last stroboscopic states of the instances in a vector's lanes.
 #[derive(Clone, Debug)]
-pub struct Stroboscope {
-    /// x and y of the last states, state n at n modulo [`MAX_PERIOD`].
-    x: [f64; MAX_PERIOD],
-    y: [f64; MAX_PERIOD],
-    recorded: u32,
-    /// Bit k-1 is set while all states k periods apart agree.
-    candidates: u32,
+pub struct Stroboscope<R> {
+    states: Vec<[R; 2]>,
 }
 
-impl Default for Stroboscope {
+impl<R> Default for Stroboscope<R> {
     fn default() -> Self {
-        Self {
-            x: [0.0; MAX_PERIOD],
-            y: [0.0; MAX_PERIOD],
-            recorded: 0,
-            candidates: u32::MAX,
-        }
+        Self { states: Vec::new() }
     }
 }
 
-impl Stroboscope {
-    /// Takes the next state at drive phase 0; states agree whose x and y differ by less than `tolerance`.
+impl<R: Real> Stroboscope<R> {
+    /// Keeps the next state at drive phase 0.
     #[inline(always)]
-    pub fn record(&mut self, x: f64, y: f64, tolerance: f64) {
-        // all places at once, without a branch: this is done for every instance in every period
-        let mut agree = 0;
-        for place in 0..MAX_PERIOD {
-            let agrees = ((x - self.x[place]).abs() < tolerance) & ((y - self.y[place]).abs() < tolerance);
-            agree |= u32::from(agrees) << place;
-        }
-        // state n - k stands k places before that of state n, and periods k are counted from bit 0
-        let by_period = agree.reverse_bits().rotate_left(self.recorded % MAX_PERIOD as u32);
-        let not_yet_recorded = u32::MAX.checked_shl(self.recorded).unwrap_or(0);
-        self.candidates &= by_period | not_yet_recorded;
-        let place = self.recorded as usize % MAX_PERIOD;
-        (self.x[place], self.y[place]) = (x, y);
-        self.recorded += 1;
+    pub fn record(&mut self, x: R, y: R) {
+        self.states.push([x, y]);
     }
 
-    /// See [`period`].
-    pub fn candidates(&self) -> u32 {
-        self.candidates
+    /// See [`period_of`]: that of a lane, where states agree whose x and y differ by less than `tolerance`.
+    pub fn period_of(&self, lane: usize, max_period: u32, tolerance: f64) -> Option<u32> {
+        let state = |n: u32| self.states[n as usize].map(|value| value.lane(lane));
+        period_of(self.states.len() as u32, max_period, |n, before| {
+            let ([x, y], [x_before, y_before]) = (state(n), state(before));
+            (x - x_before).abs() < tolerance && (y - y_before).abs() < tolerance
+        })
     }
 }
 
@@ -72,35 +72,46 @@ impl Stroboscope {
 mod tests {
     use super::*;
 
-    fn period_of(states: impl Fn(u32) -> (f64, f64)) -> Option<u32> {
+    fn found(max_period: u32, states: impl Fn(u32) -> (f64, f64)) -> Option<u32> {
         let mut stroboscope = Stroboscope::default();
-        for n in 0..WINDOW {
+        for n in 0..window(u32::MAX, max_period) {
             let (x, y) = states(n);
-            stroboscope.record(x, y, 1e-4);
+            stroboscope.record(x, y);
         }
-        period(stroboscope.candidates(), WINDOW)
+        stroboscope.period_of(0, max_period, 1e-4)
     }
 
     #[test]
     fn the_least_period_is_found_up_to_the_longest() {
-        for k in 1..=MAX_PERIOD as u32 {
-            assert_eq!(period_of(|n| (f64::from(n % k), 0.5)), Some(k));
-            assert_eq!(period_of(|n| (0.5, f64::from(n % k))), Some(k));
+        for max_period in [1, 7, 64, 1024] {
+            for k in (1..=64.min(max_period)).chain([max_period]) {
+                assert_eq!(found(max_period, |n| (f64::from(n % k), 0.5)), Some(k));
+                assert_eq!(found(max_period, |n| (0.5, f64::from(n % k))), Some(k));
+            }
+            assert_eq!(found(max_period, |n| (f64::from(n % (max_period + 1)), 0.0)), None);
         }
-        assert_eq!(period_of(|n| (f64::from(n % 33), 0.0)), None);
     }
 
     #[test]
     fn drift_and_late_disturbance_are_no_period() {
-        assert_eq!(period_of(|n| (1.1e-4 * f64::from(n), 0.0)), None);
-        assert_eq!(period_of(|n| (0.0, if n == WINDOW - 1 { 2e-4 } else { 0.0 })), None);
-        assert_eq!(period_of(|_| (f64::NAN, 0.0)), None);
+        assert_eq!(found(64, |n| (1.1e-4 * f64::from(n), 0.0)), None);
+        assert_eq!(found(64, |n| (0.0, if n == 127 { 2e-4 } else { 0.0 })), None);
+        assert_eq!(found(64, |_| (f64::NAN, 0.0)), None);
+    }
+
+    #[test]
+    fn a_short_period_must_show_over_the_last_states_only() {
+        let late = |n| if n < 64 { f64::from(n) } else { f64::from(n % 4) };
+        assert_eq!(found(64, |n| (late(n), 0.0)), Some(4));
+        assert_eq!(found(64, |n| (late(n + 1).max(f64::from(n == 64)), 0.0)), None);
     }
 
     #[test]
     fn a_short_window_trusts_short_periods_only() {
-        assert_eq!(period(0b1000, 8), Some(4));
-        assert_eq!(period(0b1000, 7), None);
-        assert_eq!(period(0, 64), None);
+        let repeats = |n: u32, before: u32| (n - before).is_multiple_of(4);
+        assert_eq!(period_of(8, 64, repeats), Some(4));
+        assert_eq!(period_of(7, 64, repeats), None);
+        assert_eq!(period_of(64, 3, repeats), None);
+        assert_eq!(period_of(64, 64, |_, _| false), None);
     }
 }

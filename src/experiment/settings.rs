@@ -114,6 +114,8 @@ pub struct Settings {
     pub renormalise_every: u32,
     /// Two stroboscopic states are the same where x and y differ by less (2e-4).
     pub period_tolerance: f64,
+    /// The longest period of the motion that is looked for, in forcing periods (64).
+    pub max_period: u32,
     /// Where instances are integrated: `auto`, `gpu` or `cpu` (auto).
     pub backend: BackendChoice,
     /// Number type: by default `f64` on the CPU and `f32` on a GPU.
@@ -146,6 +148,7 @@ impl Default for Settings {
             decide_early: true,
             renormalise_every: 314,
             period_tolerance: 2e-4,
+            max_period: 64,
             backend: BackendChoice::Auto,
             precision: None,
             adapter: None,
@@ -162,6 +165,9 @@ impl Default for Settings {
 
 /// Most heat modes: what the GPU's kernels hold.
 pub const MAX_MODES: u32 = 64;
+
+/// The longest period of the motion that can be looked for.
+const LONGEST_PERIOD: u32 = 1024;
 
 impl Settings {
     /// The stepping scheme.
@@ -229,6 +235,7 @@ impl Settings {
         range("periods", self.periods.into(), 16.0, 1e7)?;
         range("renormalise_every", self.renormalise_every.into(), 1.0, 100_000.0)?;
         range("period_tolerance", self.period_tolerance, 1e-12, 0.1)?;
+        range("max_period", self.max_period.into(), 1.0, LONGEST_PERIOD.into())?;
         range("initial_states", self.initial_states.into(), 1.0, 10_000.0)?;
         for (parameter, [low, high]) in [(Parameter::X0, self.initial_box.x), (Parameter::Y0, self.initial_box.y)] {
             parameter.check(low)?;

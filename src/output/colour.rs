@@ -76,6 +76,7 @@ fn oklch(lightness: f32, chroma: f32, hue: f32) -> Rgb {
 // Colours of kinds: far apart from each other, and for most pairs also for readers who do not tell red from green.
 pub const UNDECIDED: Rgb = [0x8c, 0x8c, 0x8c];
 pub const QUASI_PERIODIC: Rgb = [0xff, 0xe9, 0x3b];
+pub const UNSTABLE: Rgb = [0x6b, 0x3e, 0x12];
 pub const RUNAWAY: Rgb = [0, 0, 0];
 /// Magenta: a defect of the computation, to be seen at once.
 pub const UNDER_RESOLVED: Rgb = [0xd6, 0x00, 0xb4];
@@ -160,7 +161,7 @@ mod tests {
     #[test]
     fn kinds_are_told_apart() {
         let mut colours = PERIODS.to_vec();
-        colours.extend([UNDECIDED, QUASI_PERIODIC, RUNAWAY, CHAOTIC, REGULAR]);
+        colours.extend([UNDECIDED, QUASI_PERIODIC, UNSTABLE, RUNAWAY, CHAOTIC, REGULAR]);
         for (index, &one) in colours.iter().enumerate() {
             for &other in &colours[..index] {
                 assert!(
@@ -177,7 +178,7 @@ mod tests {
         for scale in ColourScale::ALL {
             for k in -20..=20 {
                 let exponent = scale.two_sided(f64::from(k) / 20.0);
-                for kind in [UNDECIDED, QUASI_PERIODIC, RUNAWAY] {
+                for kind in [UNDECIDED, QUASI_PERIODIC, UNSTABLE, RUNAWAY] {
                     assert!(distance(exponent, kind) > 0.07, "{scale:?} {k} {kind:?}");
                 }
             }

@@ -72,7 +72,7 @@ pub fn quantity_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -
     }
 }
 
-/// The map of the maximal exponent, with the undecided, quasi-periodic and runaway points in colours of their own and
+/// The map of the maximal exponent, with the undecided, quasi-periodic, unstable and runaway points in colours of their own and
 /// the threshold of chaos.
 ///
 /// # Errors
@@ -83,12 +83,14 @@ pub fn lyapunov_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Fig
         Kind::new(colour::UNDECIDED, "undecided"),
         Kind::new(colour::RUNAWAY, "runaway"),
         Kind::new(colour::UNDER_RESOLVED, "under-resolved"),
+        Kind::new(colour::UNSTABLE, "unstable"),
     ];
     let shown = Shown::of(map, Quantity::Lyapunov);
     let values = &shown.values;
     let cells = cells(map, |index| match map.class(index) {
         Some(Class::QuasiPeriodic) => Cell::Kind(0),
         Some(Class::Undecided) => Cell::Kind(1),
+        Some(Class::Unstable) => Cell::Kind(4),
         Some(Class::Chaotic | Class::Regular) => Cell::Value(values[index]),
         None if map.is_under_resolved(index) => Cell::Kind(3),
         None if map.is_runaway(index) => Cell::Kind(2),
@@ -129,6 +131,7 @@ pub fn period_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Figur
         Kind::new(colour::RUNAWAY, "runaway"),
         Kind::new(colour::UNDER_RESOLVED, "under-resolved"),
         Kind::new(colour::NOT_APPLICABLE, "transient, since the contact wears"),
+        Kind::new(colour::UNSTABLE, "unstable"),
     ]);
     let periods = map.column(Quantity::Period);
     let cells = cells(map, |index| {
@@ -138,6 +141,7 @@ pub fn period_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Figur
             Some(Class::QuasiPeriodic) => first_other + 1,
             Some(Class::Chaotic) => first_other + 2,
             Some(Class::Undecided) => first_other + 3,
+            Some(Class::Unstable) => first_other + 7,
             None if map.is_under_resolved(index) => first_other + 5,
             None if map.is_runaway(index) => first_other + 4,
             None => first_other + 6,
@@ -161,12 +165,15 @@ fn attractors_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Figur
     let runaway = kinds.len();
     kinds.push(Kind::new(colour::RUNAWAY, "runaway"));
     kinds.push(Kind::new(colour::UNDER_RESOLVED, "under-resolved"));
+    kinds.push(Kind::new(colour::UNDECIDED, "none settled on"));
     let counts = map.column(Quantity::Attractors);
     let kind = |index| {
         if map.is_runaway(index) {
             runaway
         } else if map.is_under_resolved(index) {
             runaway + 1
+        } else if counts[index] == 0.0 {
+            runaway + 2
         } else {
             count_kind(counts[index])
         }
@@ -218,6 +225,7 @@ fn number_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -> Resu
         Kind::new(colour::NOT_APPLICABLE, missing),
         Kind::new(colour::RUNAWAY, "runaway"),
         Kind::new(colour::UNDER_RESOLVED, "under-resolved"),
+        Kind::new(colour::UNSTABLE, "unstable"),
     ];
     let shown = Shown::of(map, quantity);
     let values = &shown.values;
@@ -284,6 +292,7 @@ fn class_colour(class: Class) -> Rgb {
         Class::Regular => colour::PERIODS[0],
         Class::QuasiPeriodic => colour::QUASI_PERIODIC,
         Class::Undecided => colour::UNDECIDED,
+        Class::Unstable => colour::UNSTABLE,
     }
 }
 

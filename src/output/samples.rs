@@ -35,6 +35,7 @@ pub fn measurement(lyapunov: f64) -> Measurement {
         lyapunov,
         period: (lyapunov < 0.0).then_some(3),
         attractors: 1,
+        unsettled_fraction: 0.0,
         lyapunov_error: 0.01,
         lyapunov_second: lyapunov - 0.5,
         divergence: 2.0 * lyapunov - 0.5,

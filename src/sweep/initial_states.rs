@@ -30,8 +30,42 @@ pub fn instances(point: ParameterSet, others: &[[f64; 2]]) -> impl Iterator<Item
     )
 }
 
+/// How many times its length a run is carried on that has not settled.
+const LONGER: u32 = 4;
+
+/// Those of several initial states of a point whose motion is bounded but has not surely settled: which they are, and their instances
+/// begun where they have got to. Heat is not told by a state (x, y), and cannot be taken up again.
+pub fn unsettled(
+    settings: &Settings,
+    instances: &[ParameterSet],
+    measured: &[Measurement],
+) -> Vec<(usize, ParameterSet)> {
+    // what passes for a torus may be a slow approach to a cycle
+    let goes_on = |m: &Measurement| match m.class {
+        Some(Class::Regular | Class::Undecided) => !m.has_settled(),
+        Some(Class::QuasiPeriodic) => true,
+        Some(Class::Chaotic | Class::Unstable) | None => false,
+    };
+    (0..instances.len())
+        .filter(|&index| settings.initial_states > 1 && !instances[index].is_rubbed() && goes_on(&measured[index]))
+        .map(|index| {
+            let Measurement { x, y, .. } = measured[index];
+            (index, instances[index].with(Parameter::X0, x).with(Parameter::Y0, y))
+        })
+        .collect()
+}
+
+/// The settings by which those are carried on.
+pub fn carried_on(settings: &Settings) -> Settings {
+    let length = settings.transient_periods.saturating_add(settings.periods);
+    Settings {
+        transient_periods: length.saturating_mul(LONGER - 1).max(settings.align_periods),
+        ..settings.clone()
+    }
+}
+
 /// The measurement of a point: that of the initial state with the largest exponent, with the fraction of states whose
-/// motion is chaotic and the number of distinct attractors among those that did not run away.
+/// motion is chaotic, the number of distinct attractors on which some have settled, and the fraction of those that have not.
 ///
 /// # Panics
 /// If there is no measurement.
@@ -42,7 +76,7 @@ pub fn combine(measurements: &[Measurement], period_tolerance: f64) -> Measureme
     };
     let chaotic = bounded.iter().filter(|m| m.class == Some(Class::Chaotic)).count();
     let mut attractors: Vec<&Measurement> = Vec::new();
-    for m in &bounded {
+    for m in bounded.iter().filter(|m| m.has_settled()) {
         if !attractors
             .iter()
             .any(|known| same_attractor(known, m, period_tolerance))
@@ -53,14 +87,15 @@ pub fn combine(measurements: &[Measurement], period_tolerance: f64) -> Measureme
     Measurement {
         chaotic_fraction: chaotic as f64 / measurements.len() as f64,
         attractors: attractors.len() as u32,
+        unsettled_fraction: bounded.iter().filter(|m| !m.has_settled()).count() as f64 / measurements.len() as f64,
         integrated_periods: measurements.iter().map(|m| m.integrated_periods).sum(),
         ..**largest
     }
 }
 
-/// Whether two orbits lie on the same attractor, as far as their class, period and range of x tell. Cycles have the
-/// same range to a hundred times the tolerance of the period; of other attractors a run sees the range less sharply, and
-/// nine tenths of the two ranges must be common.
+/// Whether two orbits lie on the same attractor, as far as their class, period, range of x and exponent tell. Cycles have the
+/// same range to a hundred times the tolerance of the period. Of other attractors a run sees the range less sharply: half of
+/// the two ranges must be common, and nine tenths where the exponents differ by more than four of their errors.
 fn same_attractor(a: &Measurement, b: &Measurement, period_tolerance: f64) -> bool {
     if a.class != b.class || a.period != b.period {
         return false;
@@ -71,7 +106,8 @@ fn same_attractor(a: &Measurement, b: &Measurement, period_tolerance: f64) -> bo
     }
     let common = a.x_max.min(b.x_max) - a.x_min.max(b.x_min);
     let both = a.x_max.max(b.x_max) - a.x_min.min(b.x_min);
-    common >= 0.9 * both
+    let differ = (a.lyapunov - b.lyapunov).abs() > 4.0 * a.lyapunov_error.hypot(b.lyapunov_error);
+    common >= if differ { 0.9 } else { 0.5 } * both
 }
 
 #[cfg(test)]
@@ -103,10 +139,13 @@ mod tests {
             orbit(Class::Chaotic, 0.12, None, -1.21, 1.48),
             Measurement::runaway(3.0, BackendKind::CpuF64),
             orbit(Class::Regular, -0.2, Some(1), 0.5, 1.0),
+            orbit(Class::Regular, -0.01, None, 0.4, 1.1),
+            orbit(Class::Undecided, 0.01, None, -1.3, 1.1),
         ];
         let point = combine(&orbits, 1e-4);
         assert_eq!((point.lyapunov, point.class), (0.12, Some(Class::Chaotic)));
-        assert_eq!((point.chaotic_fraction, point.attractors), (0.25, 4));
+        assert_eq!((point.chaotic_fraction, point.attractors), (0.2, 4));
+        assert_eq!(point.unsettled_fraction, 0.2);
     }
 
     #[test]

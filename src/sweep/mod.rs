@@ -12,7 +12,8 @@ use std::ops::ControlFlow;
 use crate::backend::{self, Backend, BackendError};
 use crate::experiment::{Experiment, Settings};
 use crate::grid::Grid;
-use crate::measurement::Measurement;
+use crate::measurement::{Measurement, Status};
+use crate::parameters::ParameterSet;
 
 /// Instance-periods of `points` points: the work of a sweep.
 pub fn instance_periods(settings: &Settings, points: usize) -> u64 {
@@ -69,7 +70,7 @@ impl Backends {
 
     /// Points in a batch such that the backend in use is filled by one.
     pub fn points_per_batch(&self, settings: &Settings) -> usize {
-        (self.active.batch_size() / settings.initial_states as usize).max(1)
+        (self.active.batch_size(settings) / settings.initial_states as usize).max(1)
     }
 
     /// Points in a tile: a batch, but no more than an eighth of a large map, since what is not a finished tile is lost when
@@ -99,7 +100,7 @@ impl Backends {
                 .flat_map(|&index| initial_states::instances(grid.point(index), &states))
                 .collect();
             let mut progress = |instance_periods| observer(Event::Advanced(instance_periods));
-            match backend::measure_batch(self.active.as_mut(), settings, &instances, &mut progress) {
+            match measure_states(self.active.as_mut(), settings, &instances, &mut progress) {
                 Ok(None) => return Ok(None),
                 Ok(Some(batch)) => measurements.extend(
                     batch
@@ -120,6 +121,39 @@ impl Backends {
         }
         Ok(Some(measurements))
     }
+}
+
+/// Measures a batch; of several initial states of a point, those that have not settled are carried on.
+fn measure_states(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    instances: &[ParameterSet],
+    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Result<Option<Vec<Measurement>>, BackendError> {
+    let Some(mut measured) = backend::measure_batch(backend, settings, instances, progress)? else {
+        return Ok(None);
+    };
+    let unsettled = initial_states::unsettled(settings, instances, &measured);
+    if unsettled.is_empty() {
+        return Ok(Some(measured));
+    }
+    let (indices, begun): (Vec<usize>, Vec<ParameterSet>) = unsettled.into_iter().unzip();
+    // what was announced has been done
+    let progress = &mut |_| progress(0);
+    let longer = initial_states::carried_on(settings);
+    let Some(again) = backend::measure_batch(backend, &longer, &begun, progress)? else {
+        return Ok(None);
+    };
+    for (index, again) in indices.into_iter().zip(again) {
+        let before = measured[index];
+        let kept = if again.status == Status::Ok { again } else { before };
+        measured[index] = Measurement {
+            initial_state: before.initial_state,
+            integrated_periods: before.integrated_periods + again.integrated_periods,
+            ..kept
+        };
+    }
+    Ok(Some(measured))
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ mod exponents;
 mod heat_modes;
 mod lanes;
 mod oracle;
+mod periods;
 mod rubbed;
 mod statistics;
 mod tangent;

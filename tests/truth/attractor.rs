@@ -7,13 +7,16 @@
 //! left out.
 
 use super::collocation::Bush;
-use super::motion::{End, Orbit};
+use super::motion::{End, Motion, Orbit, Runaway, Tangents};
 
 /// Longest cycle that is looked for, in forcing periods.
 pub const MOST_PERIODS: usize = 64;
 
 /// Distance, relative to 1 + |state|, at which two stroboscopic states are the same.
 const SAME: f64 = 1e-9;
+
+/// A mean is taken over no more than so much tau, if that is 250 periods.
+const LONG_ENOUGH: f64 = 3e4;
 
 /// How long is looked.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +35,7 @@ impl Effort {
         tolerance: 1e-6,
         transient: 300,
         window: 1700,
-        budget: 6_000_000,
+        budget: 4_000_000,
     };
 }
 
@@ -54,31 +57,40 @@ pub enum Truth {
         divergence: f64,
         error: f64,
     },
-    /// |x| + |y| reached 1e4; a change of 1 at the start moves that time by `sensitivity`.
-    Runaway { time: f64, sensitivity: f64 },
+    /// |x| + |y| reached 1e4; a change of 1 at the start moves the time by `sensitivity`.
+    Runaway { times: Runaway, sensitivity: f64 },
     /// The reference could not follow it.
     GivenUp,
 }
 
 /// Follows the motion from (x, y) at drive phase 0.
 pub fn follow(bush: &Bush, start: [f64; 2], effort: &Effort) -> Truth {
-    let mut orbit = Orbit::new(*bush, start, effort.tolerance);
-    orbit.budget = effort.budget;
-    let mut states = vec![start];
+    follow_motion(Orbit::new(*bush, start, effort.tolerance, effort.budget), effort)
+}
+
+/// Follows a motion from a moment at drive phase 0.
+pub fn follow_motion(mut orbit: impl Motion, effort: &Effort) -> Truth {
+    let bush = *orbit.bush();
+    let mut states = vec![orbit.state()];
     let mut growth = Means {
         sticks: true,
         ..Means::default()
     };
-    let mut total_growth = 0.0;
     let last = effort.transient + effort.window;
     let mut n = 0;
-    while n < last {
-        let (log_scale, divergence) = (orbit.log_scale, orbit.divergence);
+    while n < last && growth.wants_more(&bush) {
+        let before = *orbit.tangents();
         match orbit.advance_period() {
-            Err(End::Runaway { after, speed }) => {
+            Err(End::Runaway(runaway)) => {
+                let start = n as f64 * bush.period();
                 return Truth::Runaway {
-                    time: n as f64 * bush.period() + after,
-                    sensitivity: (total_growth + orbit.log_scale - log_scale).exp() / speed,
+                    times: Runaway {
+                        earliest: start + runaway.earliest,
+                        time: start + runaway.time,
+                        latest: start + runaway.latest,
+                        ..runaway
+                    },
+                    sensitivity: orbit.tangents().log_scale.exp() / runaway.speed,
                 };
             }
             Err(End::GivenUp) => break,
@@ -86,15 +98,14 @@ pub fn follow(bush: &Bush, start: [f64; 2], effort: &Effort) -> Truth {
         }
         n += 1;
         states.push(orbit.state());
-        let grown = orbit.log_scale - log_scale;
-        total_growth += grown;
         if n > effort.transient {
-            growth.add(grown, orbit.divergence - divergence);
-            growth.sticks &= orbit.is_in_layer();
+            let after = *orbit.tangents();
+            growth.add(after.log_scale - before.log_scale, after.divergence - before.divergence);
+            growth.sticks &= orbit.sticks();
         }
         if let Some(period) = repeated(&states) {
             match turn(&orbit, period) {
-                Some((cycle, moved)) if !attracts(&cycle, period, bush, moved) => {}
+                Some((cycle, moved)) if !attracts(&cycle, period, &bush, moved) => {}
                 Some((
                     Cycle {
                         lyapunov, divergence, ..
@@ -113,7 +124,7 @@ pub fn follow(bush: &Bush, start: [f64; 2], effort: &Effort) -> Truth {
             }
         }
     }
-    growth.truth(bush)
+    growth.truth(&bush)
 }
 
 /// The least period after which the last state, and the one before it, repeats.
@@ -132,15 +143,16 @@ struct Cycle {
 }
 
 /// The exponents of the cycle of `period` that the orbit is on, from two turns along it, and by how much they differ.
-fn turn(orbit: &Orbit, period: usize) -> Option<(Cycle, f64)> {
+fn turn(orbit: &impl Motion, period: usize) -> Option<(Cycle, f64)> {
     let mut orbit = orbit.clone();
+    let time = period as f64 * orbit.bush().period();
     let mut turns = Vec::new();
     for _ in 0..2 {
-        orbit.restart_tangents();
+        *orbit.tangents() = Tangents::UNIT;
         for _ in 0..period {
             orbit.advance_period().ok()?;
         }
-        turns.push(exponents(&orbit, period));
+        turns.push(exponents(orbit.tangents(), time));
     }
     let [first, second] = turns.try_into().ok()?;
     let moved = (first[0] - second[0]).abs();
@@ -148,12 +160,11 @@ fn turn(orbit: &Orbit, period: usize) -> Option<(Cycle, f64)> {
     Some((Cycle { lyapunov, divergence }, moved))
 }
 
-/// Real part of the leading Floquet exponent, and the mean divergence, from the monodromy matrix that the orbit's tangents are.
-fn exponents(orbit: &Orbit, period: usize) -> [f64; 2] {
-    let time = period as f64 * orbit.bush.period();
-    let [[a, b], [c, d]] = orbit.tangents;
+/// Real part of the leading Floquet exponent, and the mean divergence, from the monodromy matrix that the tangent vectors are.
+fn exponents(tangents: &Tangents, time: f64) -> [f64; 2] {
+    let [[a, b], [c, d]] = tangents.vectors;
     let half_trace = 0.5 * (a + d);
-    let determinant = (orbit.divergence - 2.0 * orbit.log_scale).exp();
+    let determinant = (tangents.divergence - 2.0 * tangents.log_scale).exp();
     let discriminant = half_trace * half_trace - determinant;
     // without the determinant, which may have no digits where both are large
     let by_matrix = 0.25 * (a - d) * (a - d) + b * c;
@@ -163,11 +174,11 @@ fn exponents(orbit: &Orbit, period: usize) -> [f64; 2] {
         discriminant
     };
     let growth = if discriminant < 0.0 {
-        0.5 * orbit.divergence
+        0.5 * tangents.divergence
     } else {
-        orbit.log_scale + (half_trace.abs() + discriminant.sqrt()).ln()
+        tangents.log_scale + (half_trace.abs() + discriminant.sqrt()).ln()
     };
-    [growth / time, orbit.divergence / time]
+    [growth / time, tangents.divergence / time]
 }
 
 /// Whether a cycle is attracting by enough for the orbit to be on it: within 1e-6 of it.
@@ -189,6 +200,11 @@ impl Means {
     fn add(&mut self, growth: f64, divergence: f64) {
         self.growth.push(growth);
         self.divergence.push(divergence);
+    }
+
+    /// Slow drives take long for a period, and are known well enough after fewer.
+    fn wants_more(&self, bush: &Bush) -> bool {
+        self.growth.len() < 250 || self.growth.len() as f64 * bush.period() < LONG_ENOUGH
     }
 
     fn truth(&self, bush: &Bush) -> Truth {

@@ -16,16 +16,81 @@ use super::collocation::{Bush, Law, RADAU, S, SAMPLES, Start, Step};
 /// A state with |x| + |y| at or above this has run away.
 pub const RUNAWAY_BOUND: f64 = 1e4;
 
+/// A swing that grows slowly reaches the bound at a crest, and by how little one crest fails to is a matter of rounding: when it
+/// is within this of the bound, relatively, counts besides.
+const CREST: f64 = 1e-3;
+
+/// The levels of |x| + |y| that are watched for, in units of the bound.
+const LEVELS: [f64; 3] = [1.0 - CREST, 1.0, 1.0 + CREST];
+
 /// Damping, in exponents, after which nothing is left of a fast direction.
 const COLLAPSED: f64 = 40.0;
 
 /// Why an orbit ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
-    /// |x| + |y| reached [`RUNAWAY_BOUND`], so long after the start of the period.
-    Runaway { after: f64, speed: f64 },
+    /// |x| + |y| reached [`RUNAWAY_BOUND`].
+    Runaway(Runaway),
     /// Newton's method, or the step control, found no step, or the budget of steps is spent.
     GivenUp,
+}
+
+/// A runaway's times, since the start of the period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Runaway {
+    /// When |x| + |y| was within a thousandth of the bound.
+    pub earliest: f64,
+    pub time: f64,
+    /// When it was beyond the bound by a thousandth.
+    pub latest: f64,
+    /// |x'| + |y'| about then.
+    pub speed: f64,
+}
+
+/// The tangent vectors of an orbit, and its divergence, since they were last begun anew.
+#[derive(Clone, Copy, Debug)]
+pub struct Tangents {
+    /// (dx, dv), in units of exp(`log_scale`).
+    pub vectors: [[f64; 2]; 2],
+    pub log_scale: f64,
+    /// Logarithm of the determinant: the integral of the divergence.
+    pub divergence: f64,
+}
+
+impl Tangents {
+    pub const UNIT: Self = Self {
+        vectors: [[1.0, 0.0], [0.0, 1.0]],
+        log_scale: 0.0,
+        divergence: 0.0,
+    };
+
+    /// Takes the vectors on by a linear map, the logarithm of whose determinant is `divergence`.
+    pub fn map(&mut self, map: impl Fn([f64; 2]) -> [f64; 2], divergence: f64) {
+        let moved = self.vectors.map(map);
+        let size = moved.iter().flatten().fold(0.0, |most: f64, t| most.max(t.abs()));
+        self.vectors = moved.map(|vector| vector.map(|t| t / size));
+        self.log_scale += size.ln();
+        self.divergence += divergence;
+    }
+}
+
+/// A motion that is carried on from one moment at drive phase 0 to the next.
+pub trait Motion: Clone {
+    fn bush(&self) -> &Bush;
+
+    /// (x, y) at drive phase 0.
+    fn state(&self) -> [f64; 2];
+
+    /// Carries it on by a forcing period.
+    ///
+    /// # Errors
+    /// If it ends before.
+    fn advance_period(&mut self) -> Result<(), End>;
+
+    fn tangents(&mut self) -> &mut Tangents;
+
+    /// Whether the bush sticks to the shaft just now.
+    fn sticks(&self) -> bool;
 }
 
 /// Pieces of the law: 0 below the layer, 1 and 2 in it, 3 above.
@@ -39,11 +104,7 @@ pub struct Orbit {
     pub tolerance: f64,
     pub x: f64,
     pub v: f64,
-    /// Tangent vectors (dx, dv), in units of exp(`log_scale`).
-    pub tangents: [[f64; 2]; 2],
-    pub log_scale: f64,
-    /// Integral of the divergence.
-    pub divergence: f64,
+    pub tangents: Tangents,
     /// Steps that may still be taken.
     pub budget: u64,
     piece: Piece,
@@ -57,17 +118,15 @@ pub struct Orbit {
 
 impl Orbit {
     /// From (x, y) at drive phase 0, with the unit vectors as tangent vectors.
-    pub fn new(bush: Bush, [x, y]: [f64; 2], tolerance: f64) -> Self {
+    pub fn new(bush: Bush, [x, y]: [f64; 2], tolerance: f64, budget: u64) -> Self {
         let v = bush.omega_k - y;
         Self {
             bush,
             tolerance,
             x,
             v,
-            tangents: [[1.0, 0.0], [0.0, 1.0]],
-            log_scale: 0.0,
-            divergence: 0.0,
-            budget: u64::MAX,
+            tangents: Tangents::UNIT,
+            budget,
             piece: Piece(2),
             h: 1e-3 * bush.period().min(1.0),
             damped: 0.0,
@@ -79,18 +138,6 @@ impl Orbit {
     fn on_its_piece(mut self, tau: f64) -> Self {
         self.choose_piece(tau);
         self
-    }
-
-    /// (x, y) at drive phase 0.
-    pub fn state(&self) -> [f64; 2] {
-        [self.x, self.bush.omega_k - self.v]
-    }
-
-    /// Unit vectors as tangent vectors, and sums at nothing.
-    pub fn restart_tangents(&mut self) {
-        self.tangents = [[1.0, 0.0], [0.0, 1.0]];
-        self.log_scale = 0.0;
-        self.divergence = 0.0;
     }
 
     /// The boundaries of the present piece.
@@ -125,7 +172,7 @@ impl Orbit {
         }
     }
 
-    pub fn is_in_layer(&self) -> bool {
+    fn is_in_layer(&self) -> bool {
         self.bush.f_0 != 0.0 && matches!(self.piece.0, 1 | 2)
     }
 
@@ -144,44 +191,11 @@ impl Orbit {
             v if v < -width => Piece(0),
             v if v == -width => Piece(u8::from(outward(Piece(0)))),
             v if v < 0.0 => Piece(1),
-            v if v == 0.0 => Piece(1 + u8::from(outward(Piece(1)))),
+            0.0 => Piece(1 + u8::from(outward(Piece(1)))),
             v if v < width => Piece(2),
             v if v == width => Piece(2 + u8::from(outward(Piece(3)))),
             _ => Piece(3),
         };
-    }
-
-    /// Carries the orbit on by a forcing period.
-    ///
-    /// # Errors
-    /// If it ends before.
-    pub fn advance_period(&mut self) -> Result<(), End> {
-        let period = self.bush.period();
-        let (mut tau, mut lost) = (0.0, 0.0);
-        while tau < period {
-            let left = (period - tau) - lost;
-            if left <= 1e-15 * period {
-                break;
-            }
-            let (step, event) = self.next_step(tau, left).ok_or(End::GivenUp)?;
-            if let Some(end) = self.runaway(tau, &step) {
-                return Err(end);
-            }
-            self.take(&step);
-            // compensated: a step may be shorter than the spacing of numbers at tau
-            let sum = tau + (step.h + lost);
-            lost += step.h - (sum - tau);
-            tau = sum;
-            if let Some(boundary) = event {
-                self.v = boundary;
-                self.choose_piece(tau);
-                self.damped = 0.0;
-                self.last = None;
-                self.h = self.first_length(tau);
-            }
-        }
-        self.last = None;
-        Ok(())
     }
 
     /// A first step's length on a new piece: by when the motion, going on as it does, would be at the other boundary.
@@ -196,15 +210,7 @@ impl Orbit {
 
     fn take(&mut self, step: &Step) {
         [self.x, self.v] = step.end();
-        self.tangents = self.tangents.map(|tangent| step.tangent(tangent));
-        let size = self
-            .tangents
-            .iter()
-            .flatten()
-            .fold(0.0, |most: f64, t| most.max(t.abs()));
-        self.tangents = self.tangents.map(|tangent| tangent.map(|t| t / size));
-        self.log_scale += size.ln();
-        self.divergence += step.divergence;
+        self.tangents.map(|vector| step.tangent(vector), step.divergence);
         self.damped = if step.h * step.rate < 0.5 {
             0.0
         } else {
@@ -357,29 +363,88 @@ impl Orbit {
         step.map(|step| (step, Some(boundary)))
     }
 
-    fn runaway(&self, tau: f64, step: &Step) -> Option<End> {
+    /// |x'| + |y'|.
+    fn speed(&self, tau: f64, [x, v]: [f64; 2]) -> f64 {
+        let [w, dw] = self.bush.shaft(tau);
+        let [rate, ..] = self.bush.sliding_rate(&self.law(), tau, x, v);
+        (w - v).abs() + (dw - rate).abs()
+    }
+
+    /// When |x| + |y| reaches a level within a step that begins at `tau`, if it is beyond it at its end.
+    fn reaches(&self, level: f64, tau: f64, step: &Step) -> Option<f64> {
         let size = |h: f64, [x, v]: [f64; 2]| x.abs() + (self.bush.shaft(tau + h)[0] - v).abs();
-        if size(step.h, step.end()) < RUNAWAY_BOUND {
+        if size(step.h, step.end()) < level {
             return None;
         }
         let start = self.start(tau);
         let (mut low, mut high) = (0.0, step.h);
-        let mut speed = 1.0;
-        for _ in 0..60 {
+        for _ in 0..50 {
             let middle = 0.5 * (low + high);
             let taken = start.step(middle, self.guess(tau, middle))?;
-            let [x, v] = taken.end();
-            let [rate, ..] = self.bush.sliding_rate(&start.law, tau + middle, x, v);
-            speed = (self.bush.shaft(tau + middle)[0] - v).abs() + rate.abs();
-            if size(middle, [x, v]) < RUNAWAY_BOUND {
+            if size(middle, taken.end()) < level {
                 low = middle;
             } else {
                 high = middle;
             }
         }
-        Some(End::Runaway {
-            after: tau + high,
-            speed,
-        })
+        Some(tau + high)
+    }
+}
+
+impl Motion for Orbit {
+    fn bush(&self) -> &Bush {
+        &self.bush
+    }
+
+    fn state(&self) -> [f64; 2] {
+        [self.x, self.bush.omega_k - self.v]
+    }
+
+    fn advance_period(&mut self) -> Result<(), End> {
+        let period = self.bush.period();
+        let (mut tau, mut lost) = (0.0, 0.0);
+        let mut reached = [None; LEVELS.len()];
+        while tau < period || reached[1].is_some() {
+            let left = (period - tau) - lost;
+            if left <= 1e-15 * period && reached[1].is_none() {
+                break;
+            }
+            // what has run away is followed for the last of its times
+            let left = if reached[1].is_some() { f64::INFINITY } else { left };
+            let (step, event) = self.next_step(tau, left).ok_or(End::GivenUp)?;
+            for (level, time) in LEVELS.iter().zip(&mut reached) {
+                *time = time.or_else(|| self.reaches(level * RUNAWAY_BOUND, tau, &step));
+            }
+            if let [Some(earliest), Some(time), Some(latest)] = reached {
+                return Err(End::Runaway(Runaway {
+                    earliest,
+                    time,
+                    latest,
+                    speed: self.speed(tau + step.h, step.end()),
+                }));
+            }
+            self.take(&step);
+            // compensated: a step may be shorter than the spacing of numbers at tau
+            let sum = tau + (step.h + lost);
+            lost += step.h - (sum - tau);
+            tau = sum;
+            if let Some(boundary) = event {
+                self.v = boundary;
+                self.choose_piece(tau);
+                self.damped = 0.0;
+                self.last = None;
+                self.h = self.first_length(tau);
+            }
+        }
+        self.last = None;
+        Ok(())
+    }
+
+    fn tangents(&mut self) -> &mut Tangents {
+        &mut self.tangents
+    }
+
+    fn sticks(&self) -> bool {
+        self.is_in_layer()
     }
 }

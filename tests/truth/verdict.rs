@@ -2,11 +2,11 @@
 //!
 //! Owns the verdicts:
 //!
-//! - **agreeing**: the exponent differs by at most 3 sqrt(stated error^2 + reference's error^2) + 1e-4; or both ran away, at times
-//!   that differ by at most 1e-3, or by what an error of the state of 1e-6 (f32: 1e-4) moves that time by. The reference starts
-//!   where the program does. Where that does not agree it starts from the program's last stroboscopic state: different attractors
-//!   may be a tiny difference apart. Where chaos may be transient, the program runs on for 3000 + 1000 periods, and the reference
-//!   from there;
+//! - **agreeing**: the exponent L differs by at most 3 sqrt(stated error^2 + reference's error^2) + 1e-4 max(1, |L|); or both ran
+//!   away, at times that differ by at most 1e-3, and by what an error of the state of 1e-6 (f32: 1e-4) moves that time by, from
+//!   those at which |x| + |y| was within a thousandth of the bound. The reference starts where the program does. Where that does
+//!   not agree it starts from the program's last stroboscopic state: different attractors may be a tiny difference apart. Where
+//!   chaos may be transient, the program runs on for 3000 + 1000 periods, and the reference from there;
 //! - **refused**: status under-resolved;
 //! - **turned away**: the backend does not take the point, and says so with an error before it begins;
 //! - **undecided**: class undecided, whatever its exponent; or a runaway after the program's run had ended;
@@ -68,7 +68,9 @@ pub fn judge(
     truth: &Truth,
 ) -> (Verdict, Truth) {
     let first = compare(point, m, truth, From::Start);
-    if first != Verdict::Wrong || m.status != Status::Ok {
+    // a runaway that was missed, unless it is chaos that decides about it
+    let certain = matches!(truth, Truth::Runaway { sensitivity, .. } if error_of_state(m) * sensitivity < 1.0);
+    if first != Verdict::Wrong || m.status != Status::Ok || certain {
         return (first, *truth);
     }
     let from = |m: &Measurement| follow(&points::bush(point), [m.x, m.y], &Effort::USUAL);
@@ -103,18 +105,23 @@ fn may_be_transient(m: &Measurement, truth: &Truth) -> bool {
     late || m.class == Some(Class::Chaotic)
 }
 
+/// The error of a state that a run may have come to.
+fn error_of_state(m: &Measurement) -> f64 {
+    if m.backend == BackendKind::CpuF64 { 1e-6 } else { 1e-4 }
+}
+
 fn compare(point: &ParameterSet, m: &Measurement, truth: &Truth, from: From) -> Verdict {
-    let error_of_state = if m.backend == BackendKind::CpuF64 { 1e-6 } else { 1e-4 };
     let ran = f64::from(m.integrated_periods) * point.forcing_period();
     match (m.status, *truth) {
         (Status::UnderResolved, _) => Verdict::Refused,
         (_, Truth::GivenUp) => Verdict::Unknown,
-        (Status::Runaway { time: said }, Truth::Runaway { time, sensitivity }) => {
-            agreeing((said - time).abs() <= 1e-3 + error_of_state * sensitivity)
+        (Status::Runaway { time: said }, Truth::Runaway { times, sensitivity }) => {
+            let within = 1e-3 + error_of_state(m) * sensitivity;
+            agreeing((times.earliest - within..=times.latest + within).contains(&said))
         }
         (Status::Runaway { .. }, _) => Verdict::Wrong,
-        (Status::Ok, Truth::Runaway { time, .. }) => match from {
-            From::Start if time <= ran => Verdict::Wrong,
+        (Status::Ok, Truth::Runaway { times, .. }) => match from {
+            From::Start if times.time <= ran => Verdict::Wrong,
             From::Start | From::LastState => Verdict::Undecided,
         },
         (Status::Ok, Truth::Cycle { lyapunov, error, .. } | Truth::Mean { lyapunov, error, .. }) => {
@@ -126,7 +133,8 @@ fn compare(point: &ParameterSet, m: &Measurement, truth: &Truth, from: From) -> 
             } else {
                 m.lyapunov_error
             };
-            agreeing((m.lyapunov - lyapunov).abs() <= 3.0 * stated.hypot(error) + 1e-4)
+            let allowed = 3.0 * stated.hypot(error) + 1e-4 * lyapunov.abs().max(1.0);
+            agreeing((m.lyapunov - lyapunov).abs() <= allowed)
         }
     }
 }

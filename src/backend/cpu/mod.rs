@@ -92,7 +92,7 @@ impl Backend for CpuBackend {
         )
     }
 
-    fn batch_size(&self) -> usize {
+    fn batch_size(&self, _: &Settings) -> usize {
         // a second of work, in many more blocks than there are threads, which wait for each other after every slice of it
         4096 * rayon::current_num_threads()
     }

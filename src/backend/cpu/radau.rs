@@ -83,7 +83,7 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
 
     #[inline(always)]
     fn advance(&mut self, run: &Run<R>, slice: &Slice) {
-        let measured = slice.stage == Stage::Measure;
+        let measured = slice.stage.is_measured();
         if measured && slice.first == 0 {
             self.orbit.extremes = [self.orbit.x; 2];
         }

@@ -1,6 +1,6 @@
 //! What is summed up and noted of the instances in a vector's lanes, whatever the scheme.
 //!
-//! Owns sums, extremes, stroboscopes, runaways and under-resolved lanes; steps nothing.
+//! Owns sums, extremes, the stroboscope, runaways and under-resolved lanes; steps nothing.
 
 use super::super::{EndState, Sums};
 use crate::dynamics::statistics;
@@ -15,6 +15,8 @@ pub(super) struct Measuring {
     birkhoff_weights: Vec<f64>,
     /// Measured periods before the stroboscopic window.
     unrecorded: u32,
+    periods: u32,
+    max_period: u32,
     period_tolerance: f64,
 }
 
@@ -22,7 +24,9 @@ impl Measuring {
     pub fn new(settings: &Settings) -> Self {
         Self {
             birkhoff_weights: statistics::birkhoff_weights(settings.periods),
-            unrecorded: settings.periods - stroboscope::window(settings.periods),
+            unrecorded: settings.periods - stroboscope::window(settings.periods, settings.max_period),
+            periods: settings.periods,
+            max_period: settings.max_period,
             period_tolerance: settings.period_tolerance,
         }
     }
@@ -35,7 +39,9 @@ pub(super) struct Record<R> {
     divergence: R,
     pub x_min: R,
     pub x_max: R,
-    stroboscopes: Vec<Stroboscope>,
+    stroboscope: Stroboscope<R>,
+    /// Of the motion, in forcing periods, once the run has ended.
+    motion_periods: Vec<Option<u32>>,
     /// When a lane ran away, in forcing periods since the start of the run.
     runaways: Vec<Option<f64>>,
     /// The state at the beginning of the period in which it did, where the scheme cannot tell when within it.
@@ -55,7 +61,8 @@ impl<R: Real> Record<R> {
             divergence: zero,
             x_min: R::splat(f64::INFINITY),
             x_max: R::splat(f64::NEG_INFINITY),
-            stroboscopes: vec![Stroboscope::default(); R::LANES],
+            stroboscope: Stroboscope::default(),
+            motion_periods: vec![None; R::LANES],
             runaways: vec![None; R::LANES],
             runaway_starts: vec![None; R::LANES],
             under_resolved: vec![false; R::LANES],
@@ -88,9 +95,22 @@ impl<R: Real> Record<R> {
         self.birkhoff = growth.first.mul_add(weight, self.birkhoff);
         self.divergence = self.divergence + divergence;
         if index >= measuring.unrecorded {
-            for (lane, stroboscope) in self.stroboscopes.iter_mut().enumerate() {
-                stroboscope.record(x.lane(lane), y.lane(lane), measuring.period_tolerance);
+            self.stroboscope.record(x, y);
+            if index + 1 == measuring.periods {
+                self.find_periods(measuring);
             }
+        }
+    }
+
+    #[cold]
+    fn find_periods(&mut self, measuring: &Measuring) {
+        let Measuring {
+            max_period,
+            period_tolerance,
+            ..
+        } = *measuring;
+        for (lane, period) in self.motion_periods.iter_mut().enumerate() {
+            *period = self.stroboscope.period_of(lane, max_period, period_tolerance);
         }
     }
 
@@ -148,7 +168,7 @@ impl<R: Real> Record<R> {
             tangent,
             x_min: self.x_min.lane(lane),
             x_max: self.x_max.lane(lane),
-            candidates: self.stroboscopes[lane].candidates(),
+            period: self.motion_periods[lane],
             runaway_periods: self.runaways[lane],
             under_resolved: self.under_resolved[lane],
             contact: Contact::CONSTANT,

@@ -4,10 +4,10 @@
 
 use std::f64::consts::TAU;
 
-use super::super::{BackendError, EndState, Slice, Stage, Sums};
+use super::super::{BackendError, EndState, Slice, Sums};
 use super::Block;
 use super::record::{Measuring, Record};
-use crate::dynamics::divergence_check::{checked_growth, growth_of_first, is_checked};
+use crate::dynamics::divergence_check::{checked_growth, growth_of_first};
 use crate::dynamics::drive::DriveTable;
 use crate::dynamics::rk4::{self, StageSpeeds, State, StepSize};
 use crate::dynamics::tangent::{Bases, Growth, Vector};
@@ -78,7 +78,7 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
 
     #[inline(always)]
     fn advance(&mut self, run: &Self::Run, slice: &Slice) {
-        let is_measured = slice.stage == Stage::Measure;
+        let is_measured = slice.stage.is_measured();
         for n in 0..slice.periods {
             for group in &mut self.groups {
                 let index = slice.first + n;
@@ -86,7 +86,7 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
                     group.record.begin(group.state.x);
                 }
                 let begun = group.state;
-                let (growth, divergence) = if is_measured && is_checked(index) {
+                let (growth, divergence) = if slice.stage.is_checked(index) {
                     group.checked_period(run)
                 } else {
                     group.period_with_tangent(run)

@@ -3,10 +3,10 @@
 //! Owns the loops over forcing periods and passes, in which every lane takes a step of its own length; lanes meet at the
 //! end of a period. Compiled for each instruction set by its caller.
 
-use super::super::{BackendError, EndState, Slice, Stage, Sums};
+use super::super::{BackendError, EndState, Slice, Sums};
 use super::Block;
 use super::record::{Measuring, Record};
-use crate::dynamics::divergence_check::{checked_growth, growth_of_first, is_checked};
+use crate::dynamics::divergence_check::{checked_growth, growth_of_first};
 use crate::dynamics::tangent::{Growth, Vector};
 use crate::dynamics::taylor::growth::{Area, Carried, RENEWAL_STEPS};
 use crate::dynamics::taylor::{self, COEFFICIENTS, Flow, is_layer_resolved};
@@ -85,13 +85,13 @@ impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
 
     #[inline(always)]
     fn advance(&mut self, run: &Measuring, slice: &Slice) {
-        let is_measured = slice.stage == Stage::Measure;
+        let is_measured = slice.stage.is_measured();
         for n in 0..slice.periods {
             let index = slice.first + n;
             if is_measured && index == 0 {
                 self.record.begin(self.x);
             }
-            let (growth, divergence) = match (is_measured && is_checked(index), self.flow.any_thin) {
+            let (growth, divergence) = match (slice.stage.is_checked(index), self.flow.any_thin) {
                 (true, false) => self.period_with_tangent::<true, false>(),
                 (false, false) => self.period_with_tangent::<false, false>(),
                 (true, true) => self.period_with_tangent::<true, true>(),

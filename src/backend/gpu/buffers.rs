@@ -6,16 +6,17 @@ use bytemuck::Pod;
 use wgpu::BufferUsages;
 
 use super::context::GpuContext;
-use super::layout::{self, DRIVE_ENTRIES, LAST_STATES_SIZE, Orbit, Parameters, Run, Span, Tangent, Totals, binding};
+use super::layout::{self, DRIVE_ENTRIES, Orbit, Parameters, Run, Span, Tangent, Totals, binding};
 use crate::backend::BackendError;
 use crate::dynamics::statistics;
 use crate::experiment::{Scheme, Settings};
 use crate::parameters::ParameterSet;
 
-/// Buffers for a batch of up to `instances`, measured over up to `periods`.
+/// Buffers for a batch of up to `instances`, measured over up to `periods`, of each of which so many bytes of states are kept.
 pub struct Buffers {
     instances: usize,
     periods: u32,
+    states: usize,
     run: wgpu::Buffer,
     span: wgpu::Buffer,
     drive: wgpu::Buffer,
@@ -30,7 +31,8 @@ pub struct Buffers {
 
 impl Buffers {
     /// Allocates; what cannot be allocated is an error.
-    pub fn new(context: &GpuContext, instances: usize, periods: u32) -> Result<Self, BackendError> {
+    pub fn new(context: &GpuContext, instances: usize, settings: &Settings) -> Result<Self, BackendError> {
+        let (periods, states) = (settings.periods, layout::last_states_size(settings));
         let buffer = |label, size: usize, usage| {
             context.device().create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -54,7 +56,7 @@ impl Buffers {
         let orbits = storage("orbits", count * size_of::<Orbit>());
         let tangents = storage("tangents", count * size_of::<Tangent>());
         let totals = storage("totals", count * size_of::<Totals>());
-        let last_states = storage("last_states", count * LAST_STATES_SIZE as usize);
+        let last_states = storage("last_states", count * states);
         let staging = buffer(
             "staging",
             count * size_of::<Orbit>().max(size_of::<Totals>()),
@@ -79,6 +81,7 @@ impl Buffers {
         Ok(Self {
             instances,
             periods,
+            states,
             run,
             span,
             drive,
@@ -93,8 +96,9 @@ impl Buffers {
     }
 
     /// Whether a batch fits.
-    pub fn hold(&self, instances: usize, periods: u32) -> bool {
-        self.instances >= instances && self.periods >= periods
+    pub fn hold(&self, instances: usize, settings: &Settings) -> bool {
+        let states = layout::last_states_size(settings);
+        self.instances >= instances && self.periods >= settings.periods && self.states >= states
     }
 
     pub fn bindings(&self) -> &wgpu::BindGroup {

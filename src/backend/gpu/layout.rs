@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::backend::{EndState, Sums};
 use crate::dynamics::drive::DriveTable;
-use crate::dynamics::stroboscope::{self, MAX_PERIOD};
+use crate::dynamics::stroboscope;
 use crate::dynamics::taylor;
 use crate::experiment::{Scheme, Settings};
 use crate::measurement::Contact;
@@ -33,7 +33,9 @@ pub const DRIVE_ENTRIES: usize = 4096;
 pub const MAX_STEPS_PER_PERIOD: u32 = 2 * DRIVE_ENTRIES as u32;
 
 /// Bytes of an instance's last stroboscopic states, its largest share of any one buffer.
-pub const LAST_STATES_SIZE: u64 = (MAX_PERIOD * size_of::<[f32; 2]>()) as u64;
+pub fn last_states_size(settings: &Settings) -> usize {
+    stroboscope::most_states(settings.max_period) as usize * size_of::<[f32; 2]>()
+}
 
 /// What all instances of a batch share.
 #[repr(C)]
@@ -43,16 +45,21 @@ pub struct Run {
     pub steps_per_period: u32,
     pub renormalise_every: u32,
     pub unrecorded: u32,
+    pub window: u32,
+    pub max_period: u32,
     pub period_tolerance: f32,
 }
 
 impl Run {
     pub fn new(settings: &Settings, instances: u32) -> Self {
+        let window = stroboscope::window(settings.periods, settings.max_period);
         Self {
             instances,
             steps_per_period: settings.steps_per_period(),
             renormalise_every: settings.renormalise_every,
-            unrecorded: settings.periods - stroboscope::window(settings.periods),
+            unrecorded: settings.periods - window,
+            window,
+            max_period: settings.max_period,
             period_tolerance: settings.period_tolerance as f32,
         }
     }
@@ -119,7 +126,7 @@ pub struct Orbit {
     pub y: f32,
     pub x_min: f32,
     pub x_max: f32,
-    pub candidates: u32,
+    pub period: u32,
     pub runaway_period: u32,
     pub under_resolved: u32,
 }
@@ -133,7 +140,7 @@ impl Orbit {
             y: set[Parameter::Y0] as f32,
             x_min: x,
             x_max: x,
-            candidates: u32::MAX,
+            period: 0,
             runaway_period: 0,
             under_resolved: u32::from(!taylor::is_layer_resolved::<f32>(set)),
         }
@@ -151,7 +158,7 @@ impl From<(Orbit, Tangent)> for EndState {
             tangent: tangent.map(f64::from),
             x_min: orbit.x_min.into(),
             x_max: orbit.x_max.into(),
-            candidates: orbit.candidates,
+            period: (orbit.period > 0).then_some(orbit.period),
             runaway_periods: (orbit.runaway_period > 0).then_some(orbit.runaway_period.into()),
             under_resolved: orbit.under_resolved > 0,
             contact: Contact::CONSTANT,

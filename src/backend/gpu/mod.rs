@@ -18,7 +18,7 @@ pub use adapter::{AdapterDescription, adapters};
 pub use context::GpuContext;
 
 use self::buffers::Buffers;
-use self::layout::{LAST_STATES_SIZE, MAX_STEPS_PER_PERIOD, Span};
+use self::layout::{MAX_STEPS_PER_PERIOD, Span, last_states_size};
 use self::pacer::{Load, Pacer};
 use self::rubbed::RubbedBatch;
 use self::shader_source::{Kernel, Shader};
@@ -32,6 +32,9 @@ use crate::parameters::ParameterSet;
 const HARDWARE_BATCH: u64 = 1 << 18;
 /// Instances that fill a CPU, few enough for a batch to end within seconds.
 const SOFTWARE_BATCH: u64 = 1 << 13;
+
+/// Bytes of the largest buffer of a batch: a small device holds it beside what else it does.
+const MOST_STATES: u64 = 1 << 29;
 
 /// Integrates on a GPU.
 pub struct GpuBackend {
@@ -93,7 +96,7 @@ impl GpuBackend {
                 settings.steps_per_period()
             )));
         }
-        self.check_batch(instances, LAST_STATES_SIZE)
+        self.check_batch(instances, last_states_size(settings) as u64)
     }
 
     /// What holds for every scheme; an instance takes a `share` of the largest buffer.
@@ -156,29 +159,30 @@ impl Backend for GpuBackend {
         )
     }
 
-    fn batch_size(&self) -> usize {
+    fn batch_size(&self, settings: &Settings) -> usize {
         let fills = if self.context.description().is_software {
             SOFTWARE_BATCH
         } else {
             HARDWARE_BATCH
         };
-        fills.min(self.max_instances(rubbed::largest_share(MAX_MODES))) as usize
+        let share = rubbed::largest_share(settings, MAX_MODES);
+        fills.min(self.max_instances(share)).min(MOST_STATES / share).max(1) as usize
     }
 
     fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
         self.is_rubbed = settings.scheme() == Scheme::Radau;
         if self.is_rubbed {
-            self.check_batch(instances, rubbed::largest_share(settings.modes))?;
+            self.check_batch(instances, rubbed::largest_share(settings, settings.modes))?;
             let before = self.rubbed.take();
             self.rubbed = Some(RubbedBatch::new(&self.context, before, self.load, settings, instances)?);
             return Ok(());
         }
         self.check(settings, instances)?;
-        let fits = |buffers: &Buffers| buffers.hold(instances.len(), settings.periods);
+        let fits = |buffers: &Buffers| buffers.hold(instances.len(), settings);
         if !self.buffers.as_ref().is_some_and(fits) {
             // the old ones are freed first
             self.buffers = None;
-            self.buffers = Some(Buffers::new(&self.context, instances.len(), settings.periods)?);
+            self.buffers = Some(Buffers::new(&self.context, instances.len(), settings)?);
         }
         self.load.instances = instances.len() as u32;
         self.scheme = settings.scheme();
@@ -205,6 +209,7 @@ impl Backend for GpuBackend {
                 Stage::Transient => (Kernel::Plain, left.periods),
                 Stage::Measure if is_checked(left.first) => (Kernel::Checked, 1),
                 Stage::Measure => (Kernel::Tangent, alike(left.first)),
+                Stage::Check => (Kernel::Checked, left.periods),
                 Stage::Align => (Kernel::Tangent, left.periods),
             };
             let periods = alike.min(left.periods);

@@ -6,7 +6,7 @@
 use std::time::Duration;
 
 use super::layout::Span;
-use crate::backend::{Slice, Stage};
+use crate::backend::Slice;
 
 /// What dispatches are sized to.
 const TARGET: Duration = Duration::from_millis(75);
@@ -74,7 +74,7 @@ impl Pacer {
                     first: slice.first + done,
                     periods,
                     elapsed: slice.elapsed + done,
-                    measured: u32::from(slice.stage == Stage::Measure),
+                    measured: u32::from(slice.stage.is_measured()),
                 })?;
                 self.record(load, periods, instances, elapsed);
                 first_instance += instances;

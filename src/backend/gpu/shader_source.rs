@@ -6,7 +6,7 @@
 use std::fmt::Write as _;
 
 use crate::dynamics::divergence_check::CHECKED_EVERY;
-use crate::dynamics::stroboscope::MAX_PERIOD;
+use crate::dynamics::stroboscope::LEAST_WINDOW;
 use crate::dynamics::tangent::SMALLEST_SQUARE;
 use crate::experiment::Scheme;
 use crate::measurement::RUNAWAY_BOUND;
@@ -179,7 +179,7 @@ impl Kernel {
             ("WORKGROUP_SIZE", f64::from(workgroup_size)),
             ("RUNAWAY_BOUND", RUNAWAY_BOUND),
             ("SMALLEST_SQUARE", SMALLEST_SQUARE),
-            ("MAX_PERIOD", MAX_PERIOD as f64),
+            ("LEAST_WINDOW", f64::from(LEAST_WINDOW)),
             ("CHECKED_EVERY", f64::from(CHECKED_EVERY)),
             ("IS_CHECKED", f64::from(u8::from(self == Self::Checked))),
         ]

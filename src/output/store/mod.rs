@@ -304,10 +304,13 @@ impl MapStore {
                 }
             }
             // every point whose status is ok has numbers: a chunk that is missing reads as NaN
+            // but for the second exponent of a limit cycle, whose one exponent is the divergence
             let lost = |quantity: Quantity| {
-                let status = map.column(Quantity::Status);
+                let [status, lyapunov, divergence, values] =
+                    [Quantity::Status, Quantity::Lyapunov, Quantity::Divergence, quantity].map(|of| map.column(of));
+                let has_it = |index| quantity != Quantity::LyapunovSecond || lyapunov[index] != divergence[index];
                 tile.indices(columns)
-                    .any(|index| status[index] == 0.0 && map.column(quantity)[index].is_nan())
+                    .any(|index| status[index] == 0.0 && values[index].is_nan() && has_it(index))
             };
             let reduced = !self.experiment.settings.scheme().carries_heat();
             let mut numbers = NEVER_NAN

@@ -6,7 +6,7 @@ use wgpu::BufferUsages;
 
 use super::super::buffers::{birkhoff_weights, entry, read, write};
 use super::super::context::GpuContext;
-use super::super::layout::{LAST_STATES_SIZE, Span};
+use super::super::layout::{Span, last_states_size};
 use super::layout::{self, HeatMode, Orbit, Parameters, Run, Totals, binding};
 use super::pipelines::Pipelines;
 use crate::backend::BackendError;
@@ -15,16 +15,18 @@ use crate::model::rubbing::Spectra;
 use crate::parameters::ParameterSet;
 
 /// Bytes of an instance in the buffer that has most of them.
-pub fn largest_share(modes: u32) -> u64 {
+pub fn largest_share(settings: &Settings, modes: u32) -> u64 {
     let heat_modes = layout::slots(modes) * size_of::<HeatMode>();
-    LAST_STATES_SIZE.max(heat_modes as u64)
+    last_states_size(settings).max(heat_modes) as u64
 }
 
-/// Buffers for a batch of up to `instances` with `modes` heat modes, measured over up to `periods`.
+/// Buffers for a batch of up to `instances` with `modes` heat modes, measured over up to `periods`, of each of which so many
+/// bytes of states are kept.
 pub struct Buffers {
     instances: usize,
     modes_each: u32,
     periods: u32,
+    states: usize,
     run: wgpu::Buffer,
     span: wgpu::Buffer,
     birkhoff_weights: wgpu::Buffer,
@@ -43,8 +45,9 @@ impl Buffers {
         context: &GpuContext,
         pipelines: &Pipelines,
         instances: usize,
-        periods: u32,
+        settings: &Settings,
     ) -> Result<Self, BackendError> {
+        let (periods, states) = (settings.periods, last_states_size(settings));
         let buffer = |label, size: usize, usage| {
             context.device().create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -70,7 +73,7 @@ impl Buffers {
         let modes = storage("modes", 2 * slots * size_of::<f32>());
         let orbits = storage("orbits", count * size_of::<Orbit>());
         let totals = storage("totals", count * size_of::<Totals>());
-        let last_states = storage("last_states", count * LAST_STATES_SIZE as usize);
+        let last_states = storage("last_states", count * states);
         let staging = buffer(
             "staging",
             count * size_of::<Orbit>().max(size_of::<Totals>()),
@@ -96,6 +99,7 @@ impl Buffers {
             instances,
             modes_each: pipelines.modes(),
             periods,
+            states,
             run,
             span,
             birkhoff_weights,
@@ -111,7 +115,9 @@ impl Buffers {
 
     /// Whether a batch fits.
     pub fn hold(&self, instances: usize, settings: &Settings) -> bool {
-        self.instances >= instances && self.modes_each == settings.modes && self.periods >= settings.periods
+        let kernels_fit = self.modes_each == settings.modes;
+        let states_fit = self.states >= last_states_size(settings);
+        self.instances >= instances && kernels_fit && self.periods >= settings.periods && states_fit
     }
 
     pub fn bindings(&self) -> &wgpu::BindGroup {

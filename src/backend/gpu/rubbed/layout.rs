@@ -38,6 +38,8 @@ pub fn slots(modes: u32) -> usize {
 pub struct Run {
     pub instances: u32,
     pub unrecorded: u32,
+    pub window: u32,
+    pub max_period: u32,
     pub period_tolerance: f32,
     pub tolerance: f32,
     pub newton: f32,
@@ -53,9 +55,12 @@ impl Run {
             reach,
             longest,
         } = Control::<f32>::new(settings);
+        let window = stroboscope::window(settings.periods, settings.max_period);
         Self {
             instances,
-            unrecorded: settings.periods - stroboscope::window(settings.periods),
+            unrecorded: settings.periods - window,
+            window,
+            max_period: settings.max_period,
             period_tolerance: settings.period_tolerance as f32,
             tolerance,
             newton,
@@ -150,7 +155,7 @@ pub struct Orbit {
     pub lost_time: f32,
     pub x_min: f32,
     pub x_max: f32,
-    pub candidates: u32,
+    pub period: u32,
     pub under_resolved: u32,
     pub runaway: u32,
     pub given_up_period: u32,
@@ -195,7 +200,7 @@ impl Orbit {
             lost_time: peaks.lost[1],
             x_min: orbit.x,
             x_max: orbit.x,
-            candidates: u32::MAX,
+            period: 0,
             under_resolved: 0,
             runaway: 0,
             given_up_period: 0,
@@ -216,7 +221,7 @@ impl Orbit {
             tangent: [f64::NAN; 2],
             x_min: self.x_min.into(),
             x_max: self.x_max.into(),
-            candidates: self.candidates,
+            period: (self.period > 0).then_some(self.period),
             runaway_periods: (self.runaway > 0)
                 .then(|| f64::from(self.given_up_period) - 1.0 + f64::from(self.runaway_phase)),
             under_resolved: self.under_resolved > 0,

@@ -55,7 +55,7 @@ impl RubbedBatch {
         };
         let buffers = match buffers.filter(|buffers: &Buffers| buffers.hold(instances.len(), settings)) {
             Some(buffers) => buffers,
-            None => Buffers::new(context, &pipelines, instances.len(), settings.periods)?,
+            None => Buffers::new(context, &pipelines, instances.len(), settings)?,
         };
         buffers.fill(context, settings, instances);
         context.check()?;
@@ -114,8 +114,8 @@ impl RubbedBatch {
 }
 
 /// Bytes of an instance in the buffer that has most of them.
-pub fn largest_share(modes: u32) -> u64 {
-    buffers::largest_share(modes)
+pub fn largest_share(settings: &Settings, modes: u32) -> u64 {
+    buffers::largest_share(settings, modes)
 }
 
 /// The kernels hold the modes of a thread in arrays of fixed length.

@@ -10,7 +10,7 @@ use crate::dynamics::adaptive::kept::ROUGH;
 use crate::dynamics::adaptive::orbit::{PASS_BUDGET, SETTLING_PASSES};
 use crate::dynamics::adaptive::pass::{LARGE_SPEED, PRESSURE_FLOOR, REJECTED, SAFETY, SHORTEST_STEP};
 use crate::dynamics::radau::{ERROR_WEIGHT, MAX_ITERATIONS};
-use crate::dynamics::stroboscope::MAX_PERIOD;
+use crate::dynamics::stroboscope::LEAST_WINDOW;
 use crate::dynamics::tangent::SMALLEST_SQUARE;
 use crate::lanes::Real;
 use crate::measurement::RUNAWAY_BOUND;
@@ -70,7 +70,7 @@ pub fn constants(workgroup_size: u32, carries_tangent: bool) -> [(&'static str, 
         ("CARRIES_TANGENT", f64::from(u8::from(carries_tangent))),
         ("RUNAWAY_BOUND", RUNAWAY_BOUND),
         ("SMALLEST_SQUARE", SMALLEST_SQUARE),
-        ("MAX_PERIOD", MAX_PERIOD as f64),
+        ("LEAST_WINDOW", f64::from(LEAST_WINDOW)),
         ("ERROR_WEIGHT", ERROR_WEIGHT),
         ("MAX_ITERATIONS", f64::from(MAX_ITERATIONS)),
         ("TICKS", f32::PERIOD_TICKS),

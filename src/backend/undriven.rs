@@ -1,0 +1,129 @@
+//! Motion without a drive: rests and limit cycles, in neither of which a forcing period plays a part.
+//!
+//! Owns the omega_0 by which such motion is integrated, and the measurement of limit cycles.
+
+use std::ops::Range;
+
+use super::{Backend, BackendError, Slice, Stage};
+use crate::dynamics::statistics::birkhoff_weights;
+use crate::experiment::Settings;
+use crate::measurement::{Class, Measurement, Status};
+use crate::parameters::{Parameter, ParameterSet};
+
+/// In place of any other, so that nothing depends on a frequency with which nothing is driven: pi units of tau make what
+/// is called a forcing period.
+const OMEGA_0: f64 = 2.0;
+
+/// Periods of a look at a limit cycle: until the vectors have turned to their directions, and of the averages.
+const ALIGN: u32 = 64;
+const LOOK: u32 = 512;
+
+/// Along a limit cycle the first vector grows by less than this share of the divergence, on the way to a rest by half of it
+/// or more.
+const ALONG_THE_FLOW: f64 = 0.1;
+
+/// A divergence below this is that of motion that nothing damps.
+const DAMPED: f64 = 1e-6;
+
+/// The instance as it is integrated.
+pub(super) fn instance(set: &ParameterSet) -> ParameterSet {
+    if set.is_driven() {
+        *set
+    } else {
+        set.with(Parameter::Omega0, OMEGA_0)
+    }
+}
+
+/// Measures those anew that are on a limit cycle. One exponent is the trivial zero along the flow, and left out; the other
+/// one is the mean divergence over whole turns, which a weighted Birkhoff average gives without knowing how long a turn is.
+///
+/// # Errors
+/// If the backend fails.
+pub(super) fn measure_limit_cycles(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    instances: &[ParameterSet],
+    measured: &mut [Measurement],
+) -> Result<(), BackendError> {
+    let moves = |m: &Measurement| m.status == Status::Ok && m.x_max - m.x_min > settings.period_tolerance;
+    let indices: Vec<usize> = (0..instances.len())
+        .filter(|&index| !instances[index].is_driven() && moves(&measured[index]))
+        .collect();
+    if indices.is_empty() {
+        return Ok(());
+    }
+    let begun: Vec<ParameterSet> = indices
+        .iter()
+        .map(|&index| {
+            let Measurement { x, y, .. } = measured[index];
+            instances[index].with(Parameter::X0, x).with(Parameter::Y0, y)
+        })
+        .collect();
+    let settings = Settings {
+        transient_periods: ALIGN,
+        align_periods: ALIGN,
+        periods: LOOK,
+        ..settings.clone()
+    };
+    backend.load(&settings, &begun)?;
+    backend.advance(&Slice {
+        stage: Stage::Align,
+        first: 0,
+        periods: ALIGN,
+        elapsed: 0,
+    })?;
+    // growth of the first vector and divergence, of every period
+    let mut rates = vec![[Vec::new(), Vec::new()]; indices.len()];
+    for first in 0..LOOK {
+        backend.advance(&Slice {
+            stage: Stage::Measure,
+            first,
+            periods: 1,
+            elapsed: ALIGN + first,
+        })?;
+        for (rates, sums) in rates.iter_mut().zip(backend.collect()?) {
+            rates[0].push(sums.growth[0]);
+            rates[1].push(sums.divergence);
+        }
+    }
+    let ends = backend.end_states()?;
+    for ((index, [growth, divergence]), end) in indices.into_iter().zip(rates).zip(ends) {
+        let period_time = instances[index].forcing_period();
+        let average = |values: &[f64], range: Range<u32>| {
+            let weights = birkhoff_weights(range.end - range.start);
+            let values = &values[range.start as usize..range.end as usize];
+            let sum: f64 = weights.iter().zip(values).map(|(weight, value)| weight * value).sum();
+            sum / period_time
+        };
+        let along = average(&growth, 0..LOOK);
+        let exponent = average(&divergence, 0..LOOK);
+        let halves = [0..LOOK / 2, LOOK / 2..LOOK].map(|half| average(&divergence, half));
+        let error = (halves[0] - halves[1]).abs();
+        let attracts = exponent + 3.0 * error < 0.0 && exponent < -DAMPED;
+        if end.runaway_periods.is_some() || end.under_resolved || !attracts || along.abs() > ALONG_THE_FLOW * -exponent
+        {
+            continue;
+        }
+        let before = measured[index];
+        measured[index] = Measurement {
+            class: Some(Class::Regular),
+            lyapunov: exponent,
+            lyapunov_error: error,
+            lyapunov_second: f64::NAN,
+            lyapunov_second_error: f64::NAN,
+            divergence: exponent,
+            lyapunov_birkhoff: exponent,
+            lyapunov_interval: f64::from(LOOK) * period_time,
+            period: None,
+            x: end.x,
+            y: end.y,
+            x_min: end.x_min,
+            x_max: end.x_max,
+            chaotic_fraction: 0.0,
+            attractors: 1,
+            integrated_periods: before.integrated_periods + ALIGN + LOOK,
+            ..before
+        };
+    }
+    Ok(())
+}
