@@ -28,7 +28,8 @@ fn rust_layouts() -> BTreeMap<&'static str, Layout> {
             tolerance,
             newton,
             reach,
-            longest
+            longest,
+            swing
         }),
         layout_of!(Span {
             first_instance,

@@ -87,9 +87,17 @@ fn state_start(flow: Flow, x: Real, w: Real, ticks: Word) -> State {
 }
 
 // Takes a step: to the boundary of the piece, or as far as it may reach. A lane whose period is over stays where it is.
-fn taylor_step(flow: Flow, state: State) -> Step {
-    let piece = friction_piece(flow.friction, state.piece, flow.epsilon_0);
+fn taylor_step(flow: Flow, before: State) -> Step {
+    var state = before;
     let v = flow.omega_k + state.drive - state.w;
+    if (is_any(flow.thin)) {
+        // a layer that was crossed in less than the least step is behind
+        let piece = friction_piece(flow.friction, state.piece, flow.epsilon_0);
+        let margin = MISSED * flow.epsilon_0;
+        let is_lost = flow.thin & ((v < piece.lower - margin) | (piece.upper + margin < v));
+        state.piece = select(state.piece, piece_index(flow.friction, v), is_lost);
+    }
+    let piece = friction_piece(flow.friction, state.piece, flow.epsilon_0);
     let series = series_new(Local(
         flow.linear,
         flow.minus_b,

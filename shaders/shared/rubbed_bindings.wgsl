@@ -17,8 +17,10 @@ struct Run {
     newton: f32,
     // How near to a boundary of the friction layer a step must end, in half-widths of the layer.
     reach: f32,
-    // Longest step, in ticks.
+    // Most of a period that a step may take.
     longest: f32,
+    // Longest step, times the slower of the two rates of the bush's motion.
+    swing: f32,
 }
 
 // One instance's parameters.

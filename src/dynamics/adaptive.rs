@@ -29,6 +29,10 @@ pub const PRESSURE_BOUND: f64 = 1e9;
 /// Units of time of the linear growth of y in the longest step, times the least number of steps in a period.
 const REPULSION_STEPS: f64 = 6.4;
 
+/// [`Control::swing`] at the usual tolerance.
+const SWING: f64 = 0.8;
+const USUAL_TOLERANCE: f64 = 2e-4;
+
 /// Least of [`Control::reach`]: nearer to a boundary, v changes too little over a step to be told apart in f32.
 const LEAST_REACH: f64 = 5e-4;
 
@@ -45,6 +49,9 @@ pub struct Control<R> {
     pub reach: R,
     /// Most of a period that a step may take: a sixteenth at most, for which the drive's series is made.
     pub longest: R,
+    /// Longest step, times the slower of the two rates of the bush's motion: what it rests on may be smooth where the tangent
+    /// is not.
+    pub swing: R,
 }
 
 impl<R: Real> Control<R> {
@@ -54,6 +61,8 @@ impl<R: Real> Control<R> {
             newton: R::splat((0.01 * settings.tolerance).sqrt()),
             reach: R::splat((0.1 * settings.tolerance).sqrt().max(LEAST_REACH)),
             longest: R::splat(1.0 / f64::from(settings.steps_per_period())),
+            // the scheme is of order 5
+            swing: R::splat(SWING * (settings.tolerance / USUAL_TOLERANCE).powf(0.2)),
         }
     }
 }

@@ -58,6 +58,9 @@ pub const STIFF_FREE_STEP: f64 = 0.8;
 /// Rate times step from which the cubic drag counts as stiff.
 pub const STIFF: f64 = 2.0;
 
+/// What the rate of a stiff cubic drag may grow to in a step that begins without sliding, times the step.
+pub const DRAG_GROWTH: f64 = 0.1;
+
 /// By this the rate of the bush's swing, by which a series converges more slowly than by a rate of decay, counts more.
 pub const SWING: f64 = 3.3;
 
@@ -123,12 +126,22 @@ pub fn unit_of_time(omega_0: f64) -> f64 {
 }
 
 /// Longest step in units of time: so many a forcing period, or so many in pi, the paper's forcing period, where the period
-/// is longer than that; and [`DAMPING_STEP`] over the rate of the linear damping.
+/// is longer than that; [`DAMPING_STEP`] over the rate of the linear damping; and, where the cubic drag is stiff, a step in which
+/// its rate grows from 0 to [`DRAG_GROWTH`] over the step.
 pub fn longest_step(parameters: &ParameterSet, steps_per_period: u32) -> f64 {
-    use Parameter::{Alpha, Epsilon, H1, Omega0};
+    use Parameter::{Alpha, Beta, Epsilon, H1, Omega0, OmegaK, ZetaK};
     let damping = parameters[Epsilon] * parameters[H1].abs().max(parameters[Alpha].abs());
     let steps = f64::from(steps_per_period);
     let tau = (parameters.forcing_period().min(PI) / steps).min(DAMPING_STEP * USUAL_STEPS / steps / damping);
+    let drag = 3.0 * parameters[Epsilon] * parameters[Beta].abs();
+    let speed = parameters[OmegaK].abs() + parameters[ZetaK] + OWN_SPEED;
+    let tau = if drag * speed * speed * tau > STIFF {
+        // v grows by about (shaft's acceleration) h, and the rate of the drag with its square
+        let acceleration = parameters[ZetaK] * parameters[Omega0] + OWN_SPEED;
+        tau.min((DRAG_GROWTH / (drag * acceleration * acceleration)).cbrt() * USUAL_STEPS / steps)
+    } else {
+        tau
+    };
     tau / unit_of_time(parameters[Omega0])
 }
 
@@ -231,8 +244,17 @@ pub struct Step<R, const L: usize> {
 /// some lanes have [`THIN`] layers.
 #[inline(always)]
 pub fn step<R: Real, const L: usize, const THIN: bool>(flow: &Flow<R>, state: &State<R>) -> (Step<R, L>, State<R>) {
-    let piece = flow.friction.piece(state.piece, flow.epsilon_0);
     let v = flow.omega_k + state.drive - state.w;
+    let mut state = *state;
+    if THIN {
+        // a layer that was crossed in less than the least step is behind
+        let piece = flow.friction.piece(state.piece, flow.epsilon_0);
+        let margin = R::splat(MISSED) * flow.epsilon_0;
+        let is_lost = v.less(piece.lower - margin).or((piece.upper + margin).less(v));
+        let is_lost = is_lost.and(R::splat(0.5).less(flow.thin));
+        state.piece = R::select(is_lost, flow.friction.piece_index(v), state.piece);
+    }
+    let piece = flow.friction.piece(state.piece, flow.epsilon_0);
     let series = Series::of(&Local {
         linear: flow.linear,
         minus_b: flow.minus_b,
@@ -250,7 +272,7 @@ pub fn step<R: Real, const L: usize, const THIN: bool>(flow: &Flow<R>, state: &S
     let trial = trial_step(flow, &piece, &series, state.left);
     let leave = leave::<R, L, THIN>(flow, &piece, &series, trial);
     let at = if THIN { refined(flow, &series, &leave) } else { leave.at };
-    end(state, &series, at, leave.change)
+    end(&state, &series, at, leave.change)
 }
 
 /// A step of about `s`, in whole ticks, and the state that it ends in, on a piece `change` further.

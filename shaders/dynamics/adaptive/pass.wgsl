@@ -80,7 +80,8 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
         let free = select(length * longer, (*orbit).step, length < (*orbit).step);
         next = select(free, length * moved, 0.0 < moved);
     }
-    (*orbit).step = f32(u32(clamp(next, 0.0, run.longest * f32(TICKS) / system.long)));
+    let longest = min(run.longest * f32(TICKS) / system.long, swing_step(orbit, rubbing) / system.tick);
+    (*orbit).step = f32(u32(clamp(next, 0.0, longest)));
     give_up(orbit, system, abs(start.x) + abs(start.shaft_speed - start.v), length);
 }
 
@@ -121,6 +122,16 @@ fn orbit_growth(orbit: ptr<function, Orbit>, rubbing: Rubbing, start: Start, tri
     // the estimate is of order 3: its error grows with the fourth power of the step
     let error = max(max(motion, heat) * weight, 1e-12 * allowed);
     return sqrt(sqrt(allowed / error));
+}
+
+// The longest step, in tau, that shows the slower of the two rates of the linearised motion: about by_x/by_y where it is
+// overdamped, and else the root of by_x.
+fn swing_step(orbit: ptr<function, Orbit>, rubbing: Rubbing) -> f32 {
+    let stiff = abs(stiffness(rubbing, (*orbit).x));
+    let piece = rubbing_piece(rubbing, (*orbit).piece);
+    let pressure = (*orbit).contact * ((*orbit).fit + (*orbit).heat_pressure);
+    let damping = abs(fma(rubbing.epsilon * pressure, friction_slope(rubbing, piece, (*orbit).v), rubbing.damping));
+    return run.swing * fma(0.5, damping, sqrt(stiff)) / max(stiff, 1e-6);
 }
 
 // Gives the orbit up if its step has become too short or its state is no longer a number of this world. The last step was of

@@ -109,6 +109,7 @@ impl<R: Real> Orbit<R> {
         let free = R::select(ticks.less(self.step), self.step, ticks * longer);
         let next = R::select(kept, R::select(zero.less(moved), ticks * moved, free), ticks * again);
         let longest = control.longest * R::splat(R::PERIOD_TICKS) / system.long;
+        let longest = longest.min(self.swing_step(rubbing, control) / system.tick);
         let next = R::from_ticks(next.min(longest).max(zero).to_ticks());
         self.step = R::select(running, next, self.step);
         self.give_up(system, running, [start.x, start.shaft_speed - start.v], ticks);
@@ -156,6 +157,20 @@ impl<R: Real> Orbit<R> {
         // the estimate is of order 3: its error grows with the fourth power of the step
         let error = (motion.max(heat) * weight).max(R::splat(1e-12) * allowed);
         (allowed / error).sqrt().sqrt()
+    }
+
+    /// The longest step, in tau, that shows the slower of the two rates of the linearised motion: about by_x/by_y where it is
+    /// overdamped, and else the root of by_x.
+    #[inline(always)]
+    fn swing_step(&self, rubbing: &Rubbing<R>, control: &Control<R>) -> R {
+        let stiffness = rubbing.stiffness(self.x).abs();
+        let piece = rubbing.piece(self.piece);
+        let pressure = self.contact * (self.fit + self.heat.pressure);
+        let damping = (rubbing.epsilon * pressure)
+            .mul_add(rubbing.friction_slope(&piece, self.v), rubbing.damping)
+            .abs();
+        let slower = R::splat(0.5).mul_add(damping, stiffness.sqrt());
+        control.swing * slower / stiffness.max(R::splat(1e-6))
     }
 
     /// Gives up lanes whose step has become too short or whose state is no longer a number of this world. The last step was

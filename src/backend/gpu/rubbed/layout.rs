@@ -45,6 +45,7 @@ pub struct Run {
     pub newton: f32,
     pub reach: f32,
     pub longest: f32,
+    pub swing: f32,
 }
 
 impl Run {
@@ -54,6 +55,7 @@ impl Run {
             newton,
             reach,
             longest,
+            swing,
         } = Control::<f32>::new(settings);
         let window = stroboscope::window(settings.periods, settings.max_period);
         Self {
@@ -66,6 +68,7 @@ impl Run {
             newton,
             reach,
             longest,
+            swing,
         }
     }
 }
