@@ -1,0 +1,4 @@
+mod attractor;
+mod collocation;
+mod motion;
+mod validation;
