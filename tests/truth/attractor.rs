@@ -65,7 +65,10 @@ pub fn follow(bush: &Bush, start: [f64; 2], effort: &Effort) -> Truth {
     let mut orbit = Orbit::new(*bush, start, effort.tolerance);
     orbit.budget = effort.budget;
     let mut states = vec![start];
-    let mut growth = Means::default();
+    let mut growth = Means {
+        sticks: true,
+        ..Means::default()
+    };
     let mut total_growth = 0.0;
     let last = effort.transient + effort.window;
     let mut n = 0;
@@ -87,6 +90,7 @@ pub fn follow(bush: &Bush, start: [f64; 2], effort: &Effort) -> Truth {
         total_growth += grown;
         if n > effort.transient {
             growth.add(grown, orbit.divergence - divergence);
+            growth.sticks &= orbit.is_in_layer();
         }
         if let Some(period) = repeated(&states) {
             match turn(&orbit, period) {
@@ -168,6 +172,8 @@ fn attracts(cycle: &Cycle, period: usize, bush: &Bush, moved: f64) -> bool {
 struct Means {
     growth: Vec<f64>,
     divergence: Vec<f64>,
+    /// Whether the bush stuck to the shaft whenever it was looked at.
+    sticks: bool,
 }
 
 impl Means {
@@ -181,8 +187,10 @@ impl Means {
             return Truth::GivenUp;
         }
         let [growth, divergence] = [&self.growth, &self.divergence].map(|series| mean(series).map(|m| m / bush.period()));
-        // the trivial zero along a limit cycle
-        let [lyapunov, error] = if bush.zeta_k == 0.0 && growth[0].abs() < 1e-3 + 3.0 * growth[1] && divergence[0] < -2e-3 {
+        // the trivial zero along a limit cycle; a bush that sticks to a shaft at rest creeps, and is on none
+        let on_limit_cycle =
+            bush.zeta_k == 0.0 && !self.sticks && growth[0].abs() < 1e-3 + 3.0 * growth[1] && divergence[0] < -2e-3;
+        let [lyapunov, error] = if on_limit_cycle {
             divergence
         } else {
             growth
@@ -196,13 +204,13 @@ impl Means {
     }
 }
 
-/// Mean and standard error, by blocks whose length doubles while 16 are left: the greatest error of any length, so that slow
+/// Mean and standard error, by blocks whose length doubles while 24 are left: the greatest error of any length, so that slow
 /// correlation is seen.
 fn mean(series: &[f64]) -> [f64; 2] {
     let mut blocks = series.to_vec();
     let mean = series.iter().sum::<f64>() / series.len() as f64;
     let mut error: f64 = 0.0;
-    while blocks.len() >= 16 {
+    while blocks.len() >= 24 {
         let n = blocks.len() as f64;
         let average = blocks.iter().sum::<f64>() / n;
         let scatter: f64 = blocks.iter().map(|b| (b - average).powi(2)).sum();

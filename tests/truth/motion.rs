@@ -121,7 +121,7 @@ impl Orbit {
         if self.is_in_layer() { self.bush.epsilon_0 } else { self.v.abs().max(1.0) }
     }
 
-    fn is_in_layer(&self) -> bool {
+    pub fn is_in_layer(&self) -> bool {
         self.bush.f_0 != 0.0 && matches!(self.piece.0, 1 | 2)
     }
 

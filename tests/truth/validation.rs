@@ -1,4 +1,4 @@
-use super::attractor::{Effort, Truth, follow};
+use super::attractor::{Effort, follow};
 use super::collocation::Bush;
 
 const PAPER: Bush = Bush {
