@@ -7,7 +7,7 @@
 //! left out.
 
 use super::collocation::Bush;
-use super::motion::{End, Orbit};
+use super::motion::{End, Motion, Orbit, Tangents};
 
 /// Longest cycle that is looked for, in forcing periods.
 pub const MOST_PERIODS: usize = 64;
@@ -62,23 +62,26 @@ pub enum Truth {
 
 /// Follows the motion from (x, y) at drive phase 0.
 pub fn follow(bush: &Bush, start: [f64; 2], effort: &Effort) -> Truth {
-    let mut orbit = Orbit::new(*bush, start, effort.tolerance);
-    orbit.budget = effort.budget;
-    let mut states = vec![start];
+    follow_motion(Orbit::new(*bush, start, effort.tolerance, effort.budget), effort)
+}
+
+/// Follows a motion from a moment at drive phase 0.
+pub fn follow_motion(mut orbit: impl Motion, effort: &Effort) -> Truth {
+    let bush = *orbit.bush();
+    let mut states = vec![orbit.state()];
     let mut growth = Means {
         sticks: true,
         ..Means::default()
     };
-    let mut total_growth = 0.0;
     let last = effort.transient + effort.window;
     let mut n = 0;
     while n < last {
-        let (log_scale, divergence) = (orbit.log_scale, orbit.divergence);
+        let before = *orbit.tangents();
         match orbit.advance_period() {
             Err(End::Runaway { after, speed }) => {
                 return Truth::Runaway {
                     time: n as f64 * bush.period() + after,
-                    sensitivity: (total_growth + orbit.log_scale - log_scale).exp() / speed,
+                    sensitivity: (orbit.tangents().log_scale).exp() / speed,
                 };
             }
             Err(End::GivenUp) => break,
@@ -86,16 +89,20 @@ pub fn follow(bush: &Bush, start: [f64; 2], effort: &Effort) -> Truth {
         }
         n += 1;
         states.push(orbit.state());
-        let grown = orbit.log_scale - log_scale;
-        total_growth += grown;
         if n > effort.transient {
-            growth.add(grown, orbit.divergence - divergence);
-            growth.sticks &= orbit.is_in_layer();
+            let after = *orbit.tangents();
+            growth.add(after.log_scale - before.log_scale, after.divergence - before.divergence);
+            growth.sticks &= orbit.sticks();
         }
         if let Some(period) = repeated(&states) {
             match turn(&orbit, period) {
-                Some((cycle, moved)) if !attracts(&cycle, period, bush, moved) => {}
-                Some((Cycle { lyapunov, divergence, .. }, moved)) => {
+                Some((cycle, moved)) if !attracts(&cycle, period, &bush, moved) => {}
+                Some((
+                    Cycle {
+                        lyapunov, divergence, ..
+                    },
+                    moved,
+                )) => {
                     return Truth::Cycle {
                         period,
                         settled: n,
@@ -108,7 +115,7 @@ pub fn follow(bush: &Bush, start: [f64; 2], effort: &Effort) -> Truth {
             }
         }
     }
-    growth.truth(bush)
+    growth.truth(&bush)
 }
 
 /// The least period after which the last state, and the one before it, repeats.
@@ -127,15 +134,16 @@ struct Cycle {
 }
 
 /// The exponents of the cycle of `period` that the orbit is on, from two turns along it, and by how much they differ.
-fn turn(orbit: &Orbit, period: usize) -> Option<(Cycle, f64)> {
+fn turn(orbit: &impl Motion, period: usize) -> Option<(Cycle, f64)> {
     let mut orbit = orbit.clone();
+    let time = period as f64 * orbit.bush().period();
     let mut turns = Vec::new();
     for _ in 0..2 {
-        orbit.restart_tangents();
+        *orbit.tangents() = Tangents::UNIT;
         for _ in 0..period {
             orbit.advance_period().ok()?;
         }
-        turns.push(exponents(&orbit, period));
+        turns.push(exponents(orbit.tangents(), time));
     }
     let [first, second] = turns.try_into().ok()?;
     let moved = (first[0] - second[0]).abs();
@@ -143,22 +151,25 @@ fn turn(orbit: &Orbit, period: usize) -> Option<(Cycle, f64)> {
     Some((Cycle { lyapunov, divergence }, moved))
 }
 
-/// Real part of the leading Floquet exponent, and the mean divergence, from the monodromy matrix that the orbit's tangents are.
-fn exponents(orbit: &Orbit, period: usize) -> [f64; 2] {
-    let time = period as f64 * orbit.bush.period();
-    let [[a, b], [c, d]] = orbit.tangents;
+/// Real part of the leading Floquet exponent, and the mean divergence, from the monodromy matrix that the tangent vectors are.
+fn exponents(tangents: &Tangents, time: f64) -> [f64; 2] {
+    let [[a, b], [c, d]] = tangents.vectors;
     let half_trace = 0.5 * (a + d);
-    let determinant = (orbit.divergence - 2.0 * orbit.log_scale).exp();
+    let determinant = (tangents.divergence - 2.0 * tangents.log_scale).exp();
     let discriminant = half_trace * half_trace - determinant;
     // without the determinant, which may have no digits where both are large
     let by_matrix = 0.25 * (a - d) * (a - d) + b * c;
-    let discriminant = if determinant > 1e-6 * half_trace * half_trace { by_matrix } else { discriminant };
-    let growth = if discriminant < 0.0 {
-        0.5 * orbit.divergence
+    let discriminant = if determinant > 1e-6 * half_trace * half_trace {
+        by_matrix
     } else {
-        orbit.log_scale + (half_trace.abs() + discriminant.sqrt()).ln()
+        discriminant
     };
-    [growth / time, orbit.divergence / time]
+    let growth = if discriminant < 0.0 {
+        0.5 * tangents.divergence
+    } else {
+        tangents.log_scale + (half_trace.abs() + discriminant.sqrt()).ln()
+    };
+    [growth / time, tangents.divergence / time]
 }
 
 /// Whether a cycle is attracting by enough for the orbit to be on it: within 1e-6 of it.
@@ -186,15 +197,12 @@ impl Means {
         if self.growth.len() < 64 {
             return Truth::GivenUp;
         }
-        let [growth, divergence] = [&self.growth, &self.divergence].map(|series| mean(series).map(|m| m / bush.period()));
+        let [growth, divergence] =
+            [&self.growth, &self.divergence].map(|series| mean(series).map(|m| m / bush.period()));
         // the trivial zero along a limit cycle; a bush that sticks to a shaft at rest creeps, and is on none
         let on_limit_cycle =
             bush.zeta_k == 0.0 && !self.sticks && growth[0].abs() < 1e-3 + 3.0 * growth[1] && divergence[0] < -2e-3;
-        let [lyapunov, error] = if on_limit_cycle {
-            divergence
-        } else {
-            growth
-        };
+        let [lyapunov, error] = if on_limit_cycle { divergence } else { growth };
         Truth::Mean {
             periods: self.growth.len(),
             lyapunov,

@@ -39,10 +39,7 @@ impl Bush {
     /// The shaft's speed and its derivative.
     pub fn shaft(&self, tau: f64) -> [f64; 2] {
         let (sin, cos) = (self.omega_0 * tau).sin_cos();
-        [
-            self.omega_k + self.zeta_k * sin,
-            self.zeta_k * self.omega_0 * cos,
-        ]
+        [self.omega_k + self.zeta_k * sin, self.zeta_k * self.omega_0 * cos]
     }
 
     /// epsilon F on one side of the layer: F0 sgn(side) - alpha v + beta v^3.
@@ -153,10 +150,7 @@ impl Tableau {
             .map(|x| {
                 let [p, q] = legendre(S + 1, x);
                 let derivative = (S + 1) as f64 * (x * p - q) / (x * x - 1.0);
-                [
-                    0.5 * (x + 1.0),
-                    1.0 / ((1.0 - x * x) * derivative * derivative),
-                ]
+                [0.5 * (x + 1.0), 1.0 / ((1.0 - x * x) * derivative * derivative)]
             })
             .collect();
         let integral = |end: f64, f: &dyn Fn(f64) -> f64| -> f64 {
@@ -166,8 +160,7 @@ impl Tableau {
         let mut nodes = [0.0; S + 1];
         nodes[1..].copy_from_slice(&c);
         let tail = std::array::from_fn(|j| {
-            (2 * S + 1) as f64
-                * integral(1.0, &|t| lagrange(&nodes, j, t) * legendre(S, 2.0 * t - 1.0)[0])
+            (2 * S + 1) as f64 * integral(1.0, &|t| lagrange(&nodes, j, t) * legendre(S, 2.0 * t - 1.0)[0])
         });
         let samples = std::array::from_fn(|i| {
             let t = (i + 1) as f64 / SAMPLES as f64;
@@ -265,9 +258,8 @@ impl Start<'_> {
 
     fn taken(&self, h: f64, shaft: &[[f64; 2]; S], v: [f64; S]) -> Option<Step> {
         let (x, rates) = self.stages(h, shaft, &v);
-        let with_start = |start: f64, stages: &[f64; S]| {
-            std::array::from_fn(|i| if i == 0 { start } else { stages[i - 1] })
-        };
+        let with_start =
+            |start: f64, stages: &[f64; S]| std::array::from_fn(|i| if i == 0 { start } else { stages[i - 1] });
         Some(Step {
             h,
             x: with_start(self.x, &x),

@@ -16,15 +16,16 @@ mod attractor;
 mod collocation;
 mod motion;
 mod points;
+mod sharp;
 mod validation;
 mod verdict;
 
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
-use tribochaos::backend::{Backend, BackendError, measure_batch};
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
+use tribochaos::backend::{Backend, BackendError, measure_batch};
 use tribochaos::experiment::{Precision, Scheme, Settings};
 use tribochaos::measurement::{Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
@@ -47,7 +48,13 @@ impl Row {
     }
 
     /// Measures the points, and prints those on which it is wrong, and the first refused ones.
-    fn new(name: &str, backend: &mut dyn Backend, settings: &Settings, points: &[ParameterSet], truths: &[Truth]) -> Self {
+    fn new(
+        name: &str,
+        backend: &mut dyn Backend,
+        settings: &Settings,
+        points: &[ParameterSet],
+        truths: &[Truth],
+    ) -> Self {
         let started = std::time::Instant::now();
         let mut order: Vec<usize> = (0..points.len()).collect();
         order.sort_by(|&i, &j| points[i][Parameter::Epsilon0].total_cmp(&points[j][Parameter::Epsilon0]));
@@ -87,7 +94,10 @@ fn measure_taken(
 ) {
     let batch: Vec<ParameterSet> = indices.iter().map(|&index| points[index]).collect();
     match measure_batch(backend, settings, &batch, &mut |_| ControlFlow::Continue(())) {
-        Ok(Some(all)) => indices.iter().zip(all).for_each(|(&index, m)| measured[index] = Some(m)),
+        Ok(Some(all)) => indices
+            .iter()
+            .zip(all)
+            .for_each(|(&index, m)| measured[index] = Some(m)),
         Ok(None) => unreachable!("nobody breaks the run off"),
         Err(BackendError::Unsupported(_)) if indices.len() == 1 => {}
         Err(BackendError::Unsupported(_)) => {
@@ -101,7 +111,12 @@ fn measure_taken(
 
 fn described(point: &ParameterSet, m: &Measurement, truth: &Truth) -> String {
     let said = match m.status {
-        Status::Ok => format!("{:.5} +- {:.5} {}", m.lyapunov, m.lyapunov_error, m.class.map_or("-", |c| c.name())),
+        Status::Ok => format!(
+            "{:.5} +- {:.5} {}",
+            m.lyapunov,
+            m.lyapunov_error,
+            m.class.map_or("-", |c| c.name())
+        ),
         Status::Runaway { time } => format!("ran away at {time:.4}"),
         Status::UnderResolved => "under-resolved".to_owned(),
     };
@@ -115,7 +130,10 @@ fn described(point: &ParameterSet, m: &Measurement, truth: &Truth) -> String {
 }
 
 fn table(rows: &[Row]) {
-    println!("\n{:18} {:>11} {:>11} {:>11} {:>11} {:>11} {:>11}", "", "agreeing", "refused", "turned away", "undecided", "wrong", "unknown");
+    println!(
+        "\n{:18} {:>11} {:>11} {:>11} {:>11} {:>11} {:>11}",
+        "", "agreeing", "refused", "turned away", "undecided", "wrong", "unknown"
+    );
     for row in rows {
         let counts = Verdict::ALL.map(|verdict| format!("{:>11}", row.count(verdict)));
         println!("{:18} {}", row.name, counts.join(" "));
@@ -123,7 +141,9 @@ fn table(rows: &[Row]) {
 }
 
 fn from_environment(name: &str, default: u64) -> u64 {
-    std::env::var(name).map_or(default, |text| text.parse().unwrap_or_else(|_| panic!("{name}={text} is no number")))
+    std::env::var(name).map_or(default, |text| {
+        text.parse().unwrap_or_else(|_| panic!("{name}={text} is no number"))
+    })
 }
 
 fn truths(points: &[ParameterSet]) -> Vec<Truth> {
@@ -142,7 +162,13 @@ fn of_scheme(scheme: Scheme) -> Settings {
 fn the_default_scheme_agrees_with_the_reference_at_some_points_of_the_wide_box() {
     let points = points::draw(40, 1);
     let mut backend = CpuBackend::new(Precision::F64);
-    let row = Row::new("taylor f64 cpu", &mut backend, &of_scheme(Scheme::Taylor), &points, &truths(&points));
+    let row = Row::new(
+        "taylor f64 cpu",
+        &mut backend,
+        &of_scheme(Scheme::Taylor),
+        &points,
+        &truths(&points),
+    );
     table(std::slice::from_ref(&row));
     assert_eq!(row.count(Verdict::Wrong), 0, "wrong points are printed above");
     assert!(row.count(Verdict::Refused) <= 1, "refused points are printed above");
@@ -175,8 +201,17 @@ fn every_scheme_number_type_and_backend_agrees_with_the_reference_or_refuses() {
     }
     table(&rows);
     for row in &rows {
-        assert_eq!(row.count(Verdict::Wrong), 0, "{}: wrong points are printed above", row.name);
+        assert_eq!(
+            row.count(Verdict::Wrong),
+            0,
+            "{}: wrong points are printed above",
+            row.name
+        );
         let most = points.len() / 100;
-        assert!(row.count(Verdict::Refused) <= most, "{}: more than 1 % refused", row.name);
+        assert!(
+            row.count(Verdict::Refused) <= most,
+            "{}: more than 1 % refused",
+            row.name
+        );
     }
 }

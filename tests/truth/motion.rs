@@ -28,6 +28,52 @@ pub enum End {
     GivenUp,
 }
 
+/// The tangent vectors of an orbit, and its divergence, since they were last begun anew.
+#[derive(Clone, Copy, Debug)]
+pub struct Tangents {
+    /// (dx, dv), in units of exp(`log_scale`).
+    pub vectors: [[f64; 2]; 2],
+    pub log_scale: f64,
+    /// Logarithm of the determinant: the integral of the divergence.
+    pub divergence: f64,
+}
+
+impl Tangents {
+    pub const UNIT: Self = Self {
+        vectors: [[1.0, 0.0], [0.0, 1.0]],
+        log_scale: 0.0,
+        divergence: 0.0,
+    };
+
+    /// Takes the vectors on by a linear map, the logarithm of whose determinant is `divergence`.
+    pub fn map(&mut self, map: impl Fn([f64; 2]) -> [f64; 2], divergence: f64) {
+        let moved = self.vectors.map(map);
+        let size = moved.iter().flatten().fold(0.0, |most: f64, t| most.max(t.abs()));
+        self.vectors = moved.map(|vector| vector.map(|t| t / size));
+        self.log_scale += size.ln();
+        self.divergence += divergence;
+    }
+}
+
+/// A motion that is carried on from one moment at drive phase 0 to the next.
+pub trait Motion: Clone {
+    fn bush(&self) -> &Bush;
+
+    /// (x, y) at drive phase 0.
+    fn state(&self) -> [f64; 2];
+
+    /// Carries it on by a forcing period.
+    ///
+    /// # Errors
+    /// If it ends before.
+    fn advance_period(&mut self) -> Result<(), End>;
+
+    fn tangents(&mut self) -> &mut Tangents;
+
+    /// Whether the bush sticks to the shaft just now.
+    fn sticks(&self) -> bool;
+}
+
 /// Pieces of the law: 0 below the layer, 1 and 2 in it, 3 above.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Piece(u8);
@@ -39,11 +85,7 @@ pub struct Orbit {
     pub tolerance: f64,
     pub x: f64,
     pub v: f64,
-    /// Tangent vectors (dx, dv), in units of exp(`log_scale`).
-    pub tangents: [[f64; 2]; 2],
-    pub log_scale: f64,
-    /// Integral of the divergence.
-    pub divergence: f64,
+    pub tangents: Tangents,
     /// Steps that may still be taken.
     pub budget: u64,
     piece: Piece,
@@ -57,17 +99,15 @@ pub struct Orbit {
 
 impl Orbit {
     /// From (x, y) at drive phase 0, with the unit vectors as tangent vectors.
-    pub fn new(bush: Bush, [x, y]: [f64; 2], tolerance: f64) -> Self {
+    pub fn new(bush: Bush, [x, y]: [f64; 2], tolerance: f64, budget: u64) -> Self {
         let v = bush.omega_k - y;
         Self {
             bush,
             tolerance,
             x,
             v,
-            tangents: [[1.0, 0.0], [0.0, 1.0]],
-            log_scale: 0.0,
-            divergence: 0.0,
-            budget: u64::MAX,
+            tangents: Tangents::UNIT,
+            budget,
             piece: Piece(2),
             h: 1e-3 * bush.period().min(1.0),
             damped: 0.0,
@@ -79,18 +119,6 @@ impl Orbit {
     fn on_its_piece(mut self, tau: f64) -> Self {
         self.choose_piece(tau);
         self
-    }
-
-    /// (x, y) at drive phase 0.
-    pub fn state(&self) -> [f64; 2] {
-        [self.x, self.bush.omega_k - self.v]
-    }
-
-    /// Unit vectors as tangent vectors, and sums at nothing.
-    pub fn restart_tangents(&mut self) {
-        self.tangents = [[1.0, 0.0], [0.0, 1.0]];
-        self.log_scale = 0.0;
-        self.divergence = 0.0;
     }
 
     /// The boundaries of the present piece.
@@ -118,10 +146,14 @@ impl Orbit {
 
     /// The size of v that counts.
     fn scale(&self) -> f64 {
-        if self.is_in_layer() { self.bush.epsilon_0 } else { self.v.abs().max(1.0) }
+        if self.is_in_layer() {
+            self.bush.epsilon_0
+        } else {
+            self.v.abs().max(1.0)
+        }
     }
 
-    pub fn is_in_layer(&self) -> bool {
+    fn is_in_layer(&self) -> bool {
         self.bush.f_0 != 0.0 && matches!(self.piece.0, 1 | 2)
     }
 
@@ -147,39 +179,6 @@ impl Orbit {
         };
     }
 
-    /// Carries the orbit on by a forcing period.
-    ///
-    /// # Errors
-    /// If it ends before.
-    pub fn advance_period(&mut self) -> Result<(), End> {
-        let period = self.bush.period();
-        let (mut tau, mut lost) = (0.0, 0.0);
-        while tau < period {
-            let left = (period - tau) - lost;
-            if left <= 1e-15 * period {
-                break;
-            }
-            let (step, event) = self.next_step(tau, left).ok_or(End::GivenUp)?;
-            if let Some(end) = self.runaway(tau, &step) {
-                return Err(end);
-            }
-            self.take(&step);
-            // compensated: a step may be shorter than the spacing of numbers at tau
-            let sum = tau + (step.h + lost);
-            lost += step.h - (sum - tau);
-            tau = sum;
-            if let Some(boundary) = event {
-                self.v = boundary;
-                self.choose_piece(tau);
-                self.damped = 0.0;
-                self.last = None;
-                self.h = self.first_length(tau);
-            }
-        }
-        self.last = None;
-        Ok(())
-    }
-
     /// A first step's length on a new piece: by when the motion, going on as it does, would be at the other boundary.
     fn first_length(&self, tau: f64) -> f64 {
         let [rate, _, damping] = self.bush.sliding_rate(&self.law(), tau, self.x, self.v);
@@ -192,11 +191,7 @@ impl Orbit {
 
     fn take(&mut self, step: &Step) {
         [self.x, self.v] = step.end();
-        self.tangents = self.tangents.map(|tangent| step.tangent(tangent));
-        let size = self.tangents.iter().flatten().fold(0.0, |most: f64, t| most.max(t.abs()));
-        self.tangents = self.tangents.map(|tangent| tangent.map(|t| t / size));
-        self.log_scale += size.ln();
-        self.divergence += step.divergence;
+        self.tangents.map(|vector| step.tangent(vector), step.divergence);
         self.damped = if step.h * step.rate < 0.5 {
             0.0
         } else {
@@ -273,7 +268,11 @@ impl Orbit {
         let ((step, event), next) = result?;
         self.budget = self.budget.checked_sub(spent)?;
         // what the end of the period cut short goes on at the old length
-        self.h = if step.h == left && event.is_none() { self.h.max(next) } else { next };
+        self.h = if step.h == left && event.is_none() {
+            self.h.max(next)
+        } else {
+            next
+        };
         Some((step, event))
     }
 
@@ -282,7 +281,15 @@ impl Orbit {
         let [low, high] = self.boundaries();
         let inner = RADAU.sampled(&step.v);
         let at = |i: usize| if i == 0 { step.v[0] } else { inner[i - 1] };
-        let beyond = |v: f64| if v < low { Some(low) } else if v > high { Some(high) } else { None };
+        let beyond = |v: f64| {
+            if v < low {
+                Some(low)
+            } else if v > high {
+                Some(high)
+            } else {
+                None
+            }
+        };
         for i in 1..=SAMPLES {
             // an extreme between three samples may be outside where they are not
             if i >= 2 {
@@ -328,7 +335,11 @@ impl Orbit {
                 inside = h;
             }
             let newton = h - beyond / (rising * rate);
-            h = if newton > inside && newton < outside { newton } else { 0.5 * (inside + outside) };
+            h = if newton > inside && newton < outside {
+                newton
+            } else {
+                0.5 * (inside + outside)
+            };
         }
         step.map(|step| (step, Some(boundary)))
     }
@@ -357,5 +368,52 @@ impl Orbit {
             after: tau + high,
             speed,
         })
+    }
+}
+
+impl Motion for Orbit {
+    fn bush(&self) -> &Bush {
+        &self.bush
+    }
+
+    fn state(&self) -> [f64; 2] {
+        [self.x, self.bush.omega_k - self.v]
+    }
+
+    fn advance_period(&mut self) -> Result<(), End> {
+        let period = self.bush.period();
+        let (mut tau, mut lost) = (0.0, 0.0);
+        while tau < period {
+            let left = (period - tau) - lost;
+            if left <= 1e-15 * period {
+                break;
+            }
+            let (step, event) = self.next_step(tau, left).ok_or(End::GivenUp)?;
+            if let Some(end) = self.runaway(tau, &step) {
+                return Err(end);
+            }
+            self.take(&step);
+            // compensated: a step may be shorter than the spacing of numbers at tau
+            let sum = tau + (step.h + lost);
+            lost += step.h - (sum - tau);
+            tau = sum;
+            if let Some(boundary) = event {
+                self.v = boundary;
+                self.choose_piece(tau);
+                self.damped = 0.0;
+                self.last = None;
+                self.h = self.first_length(tau);
+            }
+        }
+        self.last = None;
+        Ok(())
+    }
+
+    fn tangents(&mut self) -> &mut Tangents {
+        &mut self.tangents
+    }
+
+    fn sticks(&self) -> bool {
+        self.is_in_layer()
     }
 }

@@ -34,10 +34,26 @@ fn one(random: &mut Random) -> ParameterSet {
     };
     let kind = random.uniform(0.0, 1.0);
     let (usual, tail) = (random.uniform(0.0, 12.0), logarithmic(random, 12.0, 1000.0));
-    set(Parameter::ZetaK, if kind < 0.08 { 0.0 } else if kind < 0.23 { tail } else { usual });
+    set(
+        Parameter::ZetaK,
+        if kind < 0.08 {
+            0.0
+        } else if kind < 0.23 {
+            tail
+        } else {
+            usual
+        },
+    );
     set(Parameter::Omega0, logarithmic(random, 0.01, 10.0));
     let weak = random.uniform(0.0, 1.0) < 0.5;
-    set(Parameter::H1, if weak { random.uniform(-0.5, 2.0) } else { random.uniform(2.0, 20.0) });
+    set(
+        Parameter::H1,
+        if weak {
+            random.uniform(-0.5, 2.0)
+        } else {
+            random.uniform(2.0, 20.0)
+        },
+    );
     set(Parameter::Epsilon, logarithmic(random, 0.01, 2.0));
     set(Parameter::F0, or_zero(random, 0.0, 2.0));
     set(Parameter::Alpha, or_zero(random, 0.0, 1.0));
@@ -46,7 +62,14 @@ fn one(random: &mut Random) -> ParameterSet {
     set(Parameter::Beta, if falls { falling } else { rising });
     set(Parameter::OmegaK, or_zero(random, -1.0, 1.0));
     let softens = random.uniform(0.0, 1.0) < 0.04;
-    set(Parameter::B, if softens { random.uniform(-1.0, 0.0) } else { random.uniform(0.0, 4.0) });
+    set(
+        Parameter::B,
+        if softens {
+            random.uniform(-1.0, 0.0)
+        } else {
+            random.uniform(0.0, 4.0)
+        },
+    );
     set(Parameter::Epsilon0, logarithmic(random, 1e-9, 0.1));
     set(Parameter::X0, random.uniform(-2.0, 2.0));
     set(Parameter::Y0, random.uniform(-2.0, 2.0));

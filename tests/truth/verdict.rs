@@ -121,7 +121,11 @@ fn compare(point: &ParameterSet, m: &Measurement, truth: &Truth, from: From) -> 
             if m.class == Some(Class::Undecided) {
                 return Verdict::Undecided;
             }
-            let stated = if m.lyapunov_error.is_nan() { 0.0 } else { m.lyapunov_error };
+            let stated = if m.lyapunov_error.is_nan() {
+                0.0
+            } else {
+                m.lyapunov_error
+            };
             agreeing((m.lyapunov - lyapunov).abs() <= 3.0 * stated.hypot(error) + 1e-4)
         }
     }
