@@ -7,13 +7,16 @@
 //! left out.
 
 use super::collocation::Bush;
-use super::motion::{End, Motion, Orbit, Tangents};
+use super::motion::{End, Motion, Orbit, Runaway, Tangents};
 
 /// Longest cycle that is looked for, in forcing periods.
 pub const MOST_PERIODS: usize = 64;
 
 /// Distance, relative to 1 + |state|, at which two stroboscopic states are the same.
 const SAME: f64 = 1e-9;
+
+/// A mean is taken over no more than so much tau, if that is 250 periods.
+const LONG_ENOUGH: f64 = 3e4;
 
 /// How long is looked.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +35,7 @@ impl Effort {
         tolerance: 1e-6,
         transient: 300,
         window: 1700,
-        budget: 6_000_000,
+        budget: 4_000_000,
     };
 }
 
@@ -54,8 +57,8 @@ pub enum Truth {
         divergence: f64,
         error: f64,
     },
-    /// |x| + |y| reached 1e4; a change of 1 at the start moves that time by `sensitivity`.
-    Runaway { time: f64, sensitivity: f64 },
+    /// |x| + |y| reached 1e4, and a change at the start had grown by the factor `growth`.
+    Runaway { times: Runaway, growth: f64 },
     /// The reference could not follow it.
     GivenUp,
 }
@@ -75,13 +78,18 @@ pub fn follow_motion(mut orbit: impl Motion, effort: &Effort) -> Truth {
     };
     let last = effort.transient + effort.window;
     let mut n = 0;
-    while n < last {
+    while n < last && growth.wants_more(&bush) {
         let before = *orbit.tangents();
         match orbit.advance_period() {
-            Err(End::Runaway { after, speed }) => {
+            Err(End::Runaway(runaway)) => {
+                let start = n as f64 * bush.period();
                 return Truth::Runaway {
-                    time: n as f64 * bush.period() + after,
-                    sensitivity: (orbit.tangents().log_scale).exp() / speed,
+                    times: Runaway {
+                        earliest: start + runaway.earliest,
+                        time: start + runaway.time,
+                        latest: start + runaway.latest,
+                    },
+                    growth: orbit.tangents().log_scale.exp(),
                 };
             }
             Err(End::GivenUp) => break,
@@ -191,6 +199,11 @@ impl Means {
     fn add(&mut self, growth: f64, divergence: f64) {
         self.growth.push(growth);
         self.divergence.push(divergence);
+    }
+
+    /// Slow drives take long for a period, and are known well enough after fewer.
+    fn wants_more(&self, bush: &Bush) -> bool {
+        self.growth.len() < 250 || self.growth.len() as f64 * bush.period() < LONG_ENOUGH
     }
 
     fn truth(&self, bush: &Bush) -> Truth {

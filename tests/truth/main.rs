@@ -123,7 +123,7 @@ fn described(point: &ParameterSet, m: &Measurement, truth: &Truth) -> String {
     let is = match truth {
         Truth::Cycle { period, lyapunov, .. } => format!("cycle of {period}, {lyapunov:.5}"),
         Truth::Mean { lyapunov, error, .. } => format!("mean {lyapunov:.5} +- {error:.5}"),
-        Truth::Runaway { time, .. } => format!("runs away at {time:.4}"),
+        Truth::Runaway { times, .. } => format!("runs away at {:.4}", times.time),
         Truth::GivenUp => "not known".to_owned(),
     };
     format!("says {said}; {is}: {}", points::arguments(point))

@@ -16,16 +16,33 @@ use super::collocation::{Bush, Law, RADAU, S, SAMPLES, Start, Step};
 /// A state with |x| + |y| at or above this has run away.
 pub const RUNAWAY_BOUND: f64 = 1e4;
 
+/// A swing that grows slowly reaches the bound at a crest, and by how little one crest fails to is a matter of rounding: when it
+/// is within this of the bound, relatively, counts besides.
+const CREST: f64 = 1e-3;
+
+/// The levels of |x| + |y| that are watched for, in units of the bound.
+const LEVELS: [f64; 3] = [1.0 - CREST, 1.0, 1.0 + CREST];
+
 /// Damping, in exponents, after which nothing is left of a fast direction.
 const COLLAPSED: f64 = 40.0;
 
 /// Why an orbit ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
-    /// |x| + |y| reached [`RUNAWAY_BOUND`], so long after the start of the period.
-    Runaway { after: f64, speed: f64 },
+    /// |x| + |y| reached [`RUNAWAY_BOUND`].
+    Runaway(Runaway),
     /// Newton's method, or the step control, found no step, or the budget of steps is spent.
     GivenUp,
+}
+
+/// A runaway's times, since the start of the period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Runaway {
+    /// When |x| + |y| was within a thousandth of the bound.
+    pub earliest: f64,
+    pub time: f64,
+    /// When it was beyond the bound by a thousandth.
+    pub latest: f64,
 }
 
 /// The tangent vectors of an orbit, and its divergence, since they were last begun anew.
@@ -344,30 +361,24 @@ impl Orbit {
         step.map(|step| (step, Some(boundary)))
     }
 
-    fn runaway(&self, tau: f64, step: &Step) -> Option<End> {
+    /// When |x| + |y| reaches a level within a step that begins at `tau`, if it is beyond it at its end.
+    fn reaches(&self, level: f64, tau: f64, step: &Step) -> Option<f64> {
         let size = |h: f64, [x, v]: [f64; 2]| x.abs() + (self.bush.shaft(tau + h)[0] - v).abs();
-        if size(step.h, step.end()) < RUNAWAY_BOUND {
+        if size(step.h, step.end()) < level {
             return None;
         }
         let start = self.start(tau);
         let (mut low, mut high) = (0.0, step.h);
-        let mut speed = 1.0;
-        for _ in 0..60 {
+        for _ in 0..50 {
             let middle = 0.5 * (low + high);
             let taken = start.step(middle, self.guess(tau, middle))?;
-            let [x, v] = taken.end();
-            let [rate, ..] = self.bush.sliding_rate(&start.law, tau + middle, x, v);
-            speed = (self.bush.shaft(tau + middle)[0] - v).abs() + rate.abs();
-            if size(middle, [x, v]) < RUNAWAY_BOUND {
+            if size(middle, taken.end()) < level {
                 low = middle;
             } else {
                 high = middle;
             }
         }
-        Some(End::Runaway {
-            after: tau + high,
-            speed,
-        })
+        Some(tau + high)
     }
 }
 
@@ -383,14 +394,20 @@ impl Motion for Orbit {
     fn advance_period(&mut self) -> Result<(), End> {
         let period = self.bush.period();
         let (mut tau, mut lost) = (0.0, 0.0);
-        while tau < period {
+        let mut reached = [None; LEVELS.len()];
+        while tau < period || reached[1].is_some() {
             let left = (period - tau) - lost;
-            if left <= 1e-15 * period {
+            if left <= 1e-15 * period && reached[1].is_none() {
                 break;
             }
+            // what has run away is followed for the last of its times
+            let left = if reached[1].is_some() { f64::INFINITY } else { left };
             let (step, event) = self.next_step(tau, left).ok_or(End::GivenUp)?;
-            if let Some(end) = self.runaway(tau, &step) {
-                return Err(end);
+            for (level, time) in LEVELS.iter().zip(&mut reached) {
+                *time = time.or_else(|| self.reaches(level * RUNAWAY_BOUND, tau, &step));
+            }
+            if let [Some(earliest), Some(time), Some(latest)] = reached {
+                return Err(End::Runaway(Runaway { earliest, time, latest }));
             }
             self.take(&step);
             // compensated: a step may be shorter than the spacing of numbers at tau

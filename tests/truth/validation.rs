@@ -124,7 +124,7 @@ fn figures_that_were_found_elsewhere_come_out() {
     }
     for (b, expected) in [(-1.0, 4.3755), (-0.1, 7.5821)] {
         match follow(&Bush { b, ..PAPER }, START, &Effort::USUAL) {
-            Truth::Runaway { time, .. } => assert!((time - expected).abs() < 1e-4, "{time} for {expected}"),
+            Truth::Runaway { times, .. } => assert!((times.time - expected).abs() < 1e-4, "{times:?} for {expected}"),
             other => panic!("{other:?}: b = {b}"),
         }
     }

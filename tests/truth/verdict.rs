@@ -2,9 +2,9 @@
 //!
 //! Owns the verdicts:
 //!
-//! - **agreeing**: the exponent differs by at most 3 sqrt(stated error^2 + reference's error^2) + 1e-4; or both ran away, at times
-//!   that differ by at most 1e-3, or by what an error of the state of 1e-6 (f32: 1e-4) moves that time by. The reference starts
-//!   where the program does. Where that does not agree it starts from the program's last stroboscopic state: different attractors
+//! - **agreeing**: the exponent L differs by at most 3 sqrt(stated error^2 + reference's error^2) + 1e-4 max(1, |L|); or both ran
+//!   away, at times that differ by at most 1e-3 from those at which |x| + |y| was within a thousandth of the bound (at any time,
+//!   where an error of the state of 1e-6, in f32 of 1e-4, would have grown to that thousandth). The reference starts where the program does. Where that does not agree it starts from the program's last stroboscopic state: different attractors
 //!   may be a tiny difference apart. Where chaos may be transient, the program runs on for 3000 + 1000 periods, and the reference
 //!   from there;
 //! - **refused**: status under-resolved;
@@ -20,7 +20,11 @@ use tribochaos::parameters::{Parameter, ParameterSet};
 
 use super::attractor::{Effort, Truth, follow};
 use super::common::measure_on;
+use super::motion::RUNAWAY_BOUND;
 use super::points;
+
+/// An error of |x| + |y|, relative to the bound of runaways, that may decide at which crest of a growing swing it is reached.
+const CREST_ERROR: f64 = 1e-3;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
@@ -109,12 +113,13 @@ fn compare(point: &ParameterSet, m: &Measurement, truth: &Truth, from: From) -> 
     match (m.status, *truth) {
         (Status::UnderResolved, _) => Verdict::Refused,
         (_, Truth::GivenUp) => Verdict::Unknown,
-        (Status::Runaway { time: said }, Truth::Runaway { time, sensitivity }) => {
-            agreeing((said - time).abs() <= 1e-3 + error_of_state * sensitivity)
+        (Status::Runaway { time: said }, Truth::Runaway { times, growth }) => {
+            let may_be_any = growth * error_of_state > CREST_ERROR * RUNAWAY_BOUND;
+            agreeing(may_be_any || (times.earliest - 1e-3..=times.latest + 1e-3).contains(&said))
         }
         (Status::Runaway { .. }, _) => Verdict::Wrong,
-        (Status::Ok, Truth::Runaway { time, .. }) => match from {
-            From::Start if time <= ran => Verdict::Wrong,
+        (Status::Ok, Truth::Runaway { times, .. }) => match from {
+            From::Start if times.time <= ran => Verdict::Wrong,
             From::Start | From::LastState => Verdict::Undecided,
         },
         (Status::Ok, Truth::Cycle { lyapunov, error, .. } | Truth::Mean { lyapunov, error, .. }) => {
@@ -126,7 +131,8 @@ fn compare(point: &ParameterSet, m: &Measurement, truth: &Truth, from: From) -> 
             } else {
                 m.lyapunov_error
             };
-            agreeing((m.lyapunov - lyapunov).abs() <= 3.0 * stated.hypot(error) + 1e-4)
+            let allowed = 3.0 * stated.hypot(error) + 1e-4 * lyapunov.abs().max(1.0);
+            agreeing((m.lyapunov - lyapunov).abs() <= allowed)
         }
     }
 }
