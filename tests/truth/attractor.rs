@@ -57,8 +57,8 @@ pub enum Truth {
         divergence: f64,
         error: f64,
     },
-    /// |x| + |y| reached 1e4, and a change at the start had grown by the factor `growth`.
-    Runaway { times: Runaway, growth: f64 },
+    /// |x| + |y| reached 1e4; a change of 1 at the start moves the time by `sensitivity`.
+    Runaway { times: Runaway, sensitivity: f64 },
     /// The reference could not follow it.
     GivenUp,
 }
@@ -88,8 +88,9 @@ pub fn follow_motion(mut orbit: impl Motion, effort: &Effort) -> Truth {
                         earliest: start + runaway.earliest,
                         time: start + runaway.time,
                         latest: start + runaway.latest,
+                        ..runaway
                     },
-                    growth: orbit.tangents().log_scale.exp(),
+                    sensitivity: orbit.tangents().log_scale.exp() / runaway.speed,
                 };
             }
             Err(End::GivenUp) => break,

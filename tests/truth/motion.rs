@@ -43,6 +43,8 @@ pub struct Runaway {
     pub time: f64,
     /// When it was beyond the bound by a thousandth.
     pub latest: f64,
+    /// |x'| + |y'| about then.
+    pub speed: f64,
 }
 
 /// The tangent vectors of an orbit, and its divergence, since they were last begun anew.
@@ -189,7 +191,7 @@ impl Orbit {
             v if v < -width => Piece(0),
             v if v == -width => Piece(u8::from(outward(Piece(0)))),
             v if v < 0.0 => Piece(1),
-            v if v == 0.0 => Piece(1 + u8::from(outward(Piece(1)))),
+            0.0 => Piece(1 + u8::from(outward(Piece(1)))),
             v if v < width => Piece(2),
             v if v == width => Piece(2 + u8::from(outward(Piece(3)))),
             _ => Piece(3),
@@ -361,6 +363,13 @@ impl Orbit {
         step.map(|step| (step, Some(boundary)))
     }
 
+    /// |x'| + |y'|.
+    fn speed(&self, tau: f64, [x, v]: [f64; 2]) -> f64 {
+        let [w, dw] = self.bush.shaft(tau);
+        let [rate, ..] = self.bush.sliding_rate(&self.law(), tau, x, v);
+        (w - v).abs() + (dw - rate).abs()
+    }
+
     /// When |x| + |y| reaches a level within a step that begins at `tau`, if it is beyond it at its end.
     fn reaches(&self, level: f64, tau: f64, step: &Step) -> Option<f64> {
         let size = |h: f64, [x, v]: [f64; 2]| x.abs() + (self.bush.shaft(tau + h)[0] - v).abs();
@@ -407,7 +416,12 @@ impl Motion for Orbit {
                 *time = time.or_else(|| self.reaches(level * RUNAWAY_BOUND, tau, &step));
             }
             if let [Some(earliest), Some(time), Some(latest)] = reached {
-                return Err(End::Runaway(Runaway { earliest, time, latest }));
+                return Err(End::Runaway(Runaway {
+                    earliest,
+                    time,
+                    latest,
+                    speed: self.speed(tau + step.h, step.end()),
+                }));
             }
             self.take(&step);
             // compensated: a step may be shorter than the spacing of numbers at tau

@@ -3,10 +3,10 @@
 //! Owns the verdicts:
 //!
 //! - **agreeing**: the exponent L differs by at most 3 sqrt(stated error^2 + reference's error^2) + 1e-4 max(1, |L|); or both ran
-//!   away, at times that differ by at most 1e-3 from those at which |x| + |y| was within a thousandth of the bound (at any time,
-//!   where an error of the state of 1e-6, in f32 of 1e-4, would have grown to that thousandth). The reference starts where the program does. Where that does not agree it starts from the program's last stroboscopic state: different attractors
-//!   may be a tiny difference apart. Where chaos may be transient, the program runs on for 3000 + 1000 periods, and the reference
-//!   from there;
+//!   away, at times that differ by at most 1e-3, and by what an error of the state of 1e-6 (f32: 1e-4) moves that time by, from
+//!   those at which |x| + |y| was within a thousandth of the bound. The reference starts where the program does. Where that does
+//!   not agree it starts from the program's last stroboscopic state: different attractors may be a tiny difference apart. Where
+//!   chaos may be transient, the program runs on for 3000 + 1000 periods, and the reference from there;
 //! - **refused**: status under-resolved;
 //! - **turned away**: the backend does not take the point, and says so with an error before it begins;
 //! - **undecided**: class undecided, whatever its exponent; or a runaway after the program's run had ended;
@@ -20,11 +20,7 @@ use tribochaos::parameters::{Parameter, ParameterSet};
 
 use super::attractor::{Effort, Truth, follow};
 use super::common::measure_on;
-use super::motion::RUNAWAY_BOUND;
 use super::points;
-
-/// An error of |x| + |y|, relative to the bound of runaways, that may decide at which crest of a growing swing it is reached.
-const CREST_ERROR: f64 = 1e-3;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
@@ -72,7 +68,9 @@ pub fn judge(
     truth: &Truth,
 ) -> (Verdict, Truth) {
     let first = compare(point, m, truth, From::Start);
-    if first != Verdict::Wrong || m.status != Status::Ok {
+    // a runaway that was missed, unless it is chaos that decides about it
+    let certain = matches!(truth, Truth::Runaway { sensitivity, .. } if error_of_state(m) * sensitivity < 1.0);
+    if first != Verdict::Wrong || m.status != Status::Ok || certain {
         return (first, *truth);
     }
     let from = |m: &Measurement| follow(&points::bush(point), [m.x, m.y], &Effort::USUAL);
@@ -107,15 +105,19 @@ fn may_be_transient(m: &Measurement, truth: &Truth) -> bool {
     late || m.class == Some(Class::Chaotic)
 }
 
+/// The error of a state that a run may have come to.
+fn error_of_state(m: &Measurement) -> f64 {
+    if m.backend == BackendKind::CpuF64 { 1e-6 } else { 1e-4 }
+}
+
 fn compare(point: &ParameterSet, m: &Measurement, truth: &Truth, from: From) -> Verdict {
-    let error_of_state = if m.backend == BackendKind::CpuF64 { 1e-6 } else { 1e-4 };
     let ran = f64::from(m.integrated_periods) * point.forcing_period();
     match (m.status, *truth) {
         (Status::UnderResolved, _) => Verdict::Refused,
         (_, Truth::GivenUp) => Verdict::Unknown,
-        (Status::Runaway { time: said }, Truth::Runaway { times, growth }) => {
-            let may_be_any = growth * error_of_state > CREST_ERROR * RUNAWAY_BOUND;
-            agreeing(may_be_any || (times.earliest - 1e-3..=times.latest + 1e-3).contains(&said))
+        (Status::Runaway { time: said }, Truth::Runaway { times, sensitivity }) => {
+            let within = 1e-3 + error_of_state(m) * sensitivity;
+            agreeing((times.earliest - within..=times.latest + within).contains(&said))
         }
         (Status::Runaway { .. }, _) => Verdict::Wrong,
         (Status::Ok, Truth::Runaway { times, .. }) => match from {
