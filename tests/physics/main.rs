@@ -8,6 +8,7 @@ mod classes;
 mod convergence;
 mod dual;
 mod early;
+mod edges;
 mod exponents;
 mod heat_modes;
 mod lanes;
