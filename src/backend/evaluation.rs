@@ -285,3 +285,63 @@ fn reached(cycle: &Cycle, lyapunov: f64, error: f64, settings: &Settings, time: 
     };
     decay > (10.0 / settings.period_tolerance).ln()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::Scheme;
+    use crate::measurement::Contact;
+
+    /// With heat there are no multipliers: what came before the cycle is left out of the mean.
+    #[test]
+    fn a_transient_is_no_part_of_the_mean_on_a_cycle() {
+        let parameters = ParameterSet::default().with(Parameter::Gamma, 0.01);
+        let settings = Settings {
+            scheme: Some(Scheme::Radau),
+            periods: 256,
+            ..Settings::default()
+        };
+        let state = EndState {
+            x: 0.5,
+            y: 0.0,
+            tangent: [f64::NAN; 2],
+            x_min: -1.0,
+            x_max: 1.0,
+            period: Some(2),
+            runaway_period: None,
+            under_resolved: false,
+            contact: Contact::CONSTANT,
+        };
+        let measured = |rates: [f64; 2]| {
+            let mut growth = Growth::default();
+            for batch in 0..32 {
+                let sums = Sums {
+                    growth: [8.0 * rates[usize::from(batch >= 20)], f64::NAN],
+                    ..Sums::default()
+                };
+                growth.add(8.0, &sums);
+            }
+            growth.measurement(&Ended {
+                parameters: &parameters,
+                settings: &settings,
+                elapsed: 556,
+                state: &state,
+                backend: BackendKind::CpuF64,
+            })
+        };
+        let period_time = parameters.forcing_period();
+        let after_chaos = measured([0.9, -0.3]);
+        assert_eq!((after_chaos.class, after_chaos.period), (Some(Class::Regular), Some(2)));
+        assert!(
+            (after_chaos.lyapunov + 0.3 / period_time).abs() < 1e-12,
+            "{after_chaos:?}"
+        );
+        assert!((after_chaos.lyapunov_interval - 64.0 * period_time).abs() < 1e-9);
+        let throughout = measured([-0.3, -0.3]);
+        assert!(
+            (throughout.lyapunov + 0.3 / period_time).abs() < 1e-12,
+            "{throughout:?}"
+        );
+        assert!((throughout.lyapunov_interval - 256.0 * period_time).abs() < 1e-9);
+    }
+}

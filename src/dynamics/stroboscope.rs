@@ -101,9 +101,9 @@ mod tests {
 
     #[test]
     fn a_short_period_must_show_over_the_last_states_only() {
-        let late = |n| if n < 64 { f64::from(n) } else { f64::from(n % 4) };
-        assert_eq!(found(64, |n| (late(n), 0.0)), Some(4));
-        assert_eq!(found(64, |n| (late(n + 1).max(f64::from(n == 64)), 0.0)), None);
+        let late = |from: u32| move |n: u32| (if n < from { f64::from(n) } else { f64::from(n % 4) }, 0.0);
+        assert_eq!(found(64, late(64)), Some(4));
+        assert_eq!(found(64, late(70)), None);
     }
 
     #[test]
