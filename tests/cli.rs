@@ -224,7 +224,6 @@ fn a_point_is_one_json_object() {
     assert_eq!(point["class"], "regular");
     assert_eq!(point["period"], 1);
     assert_eq!(point["parameters"]["h1"], 0.5);
-    let number = |value: &Value| value.as_f64().unwrap();
     assert!(
         point.get("gram_schmidt_spectrum").is_none(),
         "two answers to one question"

@@ -308,7 +308,7 @@ mod tests {
             x_min: -1.0,
             x_max: 1.0,
             period: Some(2),
-            runaway_period: None,
+            runaway_periods: None,
             under_resolved: false,
             contact: Contact::CONSTANT,
         };

@@ -116,6 +116,7 @@ impl Pacer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::Stage;
 
     const LOAD: Load = Load {
         instances: 100_000,
