@@ -190,11 +190,12 @@ fn runaways_are_found_when_they_happen_as_on_the_cpu() {
         ..Settings::default()
     };
     // bounded orbits; softening springs, which let go in finite time and end as NaN; and x' = y = x = 5e3, the bound, ln 2 before
-    // tau = pi (k + 1/2), the middle of period k + 1 (k below 16: smaller states become denormal, which some GPUs flush)
+    // tau = pi (k + 1/2), the middle of period k + 1 (k below 10: of smaller speeds the sliding speed, which radau carries,
+    // keeps few digits)
     let instances: Vec<ParameterSet> = (0..96)
         .map(|i| {
             let set = ParameterSet::default();
-            let linear = 1e4 * (-PI * (f64::from(i / 3 % 16) + 0.5)).exp();
+            let linear = 1e4 * (-PI * (f64::from(i / 3 % 10) + 0.5)).exp();
             match i % 3 {
                 0 => set,
                 // without the cubic drag, which is too stiff at the speed of a runaway
@@ -226,7 +227,7 @@ fn runaways_are_found_when_they_happen_as_on_the_cpu() {
                         b.status
                     ),
                     _ => {
-                        let time = ((i / 3 % 16) as f64 + 0.5) * PI - LN_2;
+                        let time = ((i / 3 % 10) as f64 + 0.5) * PI - LN_2;
                         assert!(
                             (escape(a) - time).abs() < 1e-3 && (escape(b) - time).abs() < 1e-3,
                             "{i}"

@@ -150,7 +150,8 @@ fn trial_step(flow: Flow, piece: Piece, series: Series, ticks_left: Word) -> Rea
     // a start at the boundary has just come from there
     let way_across = select(distance, flow.epsilon_0, distance < AT_BOUNDARY * flow.epsilon_0);
     let is_in_layer = piece.upper - piece.lower < 1.5 * flow.epsilon_0;
-    let rates = max(abs(series.by_w_0), SWING * sqrt(abs(series.by_x_0)));
+    let swing = sqrt(abs(series.by_x_0));
+    let rates = max(abs(series.by_w_0) + swing, SWING * swing);
     let way = select(flow.free_step, REACH * way_across, is_in_layer);
     let speed = select(rates, abs(slope), is_in_layer);
     let bound = min(longest, select(longest, flow.longest_in_layer, is_in_layer));

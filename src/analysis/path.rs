@@ -44,20 +44,27 @@ pub fn path(parameters: &ParameterSet, settings: &Settings, points_per_period: u
             settings,
             points_per_period,
         ),
-        Scheme::Taylor => walk(
-            TaylorSteps::new(parameters, steps),
-            parameters,
-            settings,
-            points_per_period,
-        ),
+        Scheme::Taylor => {
+            let walked = walk(
+                TaylorSteps::new(parameters, steps),
+                parameters,
+                settings,
+                points_per_period,
+            );
+            // as everywhere, what is too stiff for taylor is left to radau
+            match walked.status {
+                Status::UnderResolved => follow(parameters, settings, points_per_period),
+                Status::Ok | Status::Runaway { .. } => walked,
+            }
+        }
         Scheme::Radau => follow(parameters, settings, points_per_period),
     }
 }
 
 /// How a run ended.
 pub fn ended(history: &History) -> Status {
-    match history.samples.last() {
-        Some(last) if history.pressure_ran_away || has_run_away([last.x, last.y]) => Status::Runaway { time: last.tau },
+    match history.runaway {
+        Some(time) => Status::Runaway { time },
         _ if history.given_up => Status::UnderResolved,
         _ => Status::Ok,
     }

@@ -317,6 +317,7 @@ mod tests {
             for batch in 0..32 {
                 let sums = Sums {
                     growth: [8.0 * rates[usize::from(batch >= 20)], f64::NAN],
+                    divergence: f64::NAN,
                     ..Sums::default()
                 };
                 growth.add(8.0, &sums);

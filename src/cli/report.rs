@@ -64,14 +64,17 @@ pub fn device(choice: &Choice) -> String {
 pub fn remedy(settings: &Settings) -> &'static str {
     match settings.scheme() {
         Scheme::Taylor => {
-            "the motion is too stiff for taylor within its least step or most steps a period; try --scheme radau, or more \
-             --steps-per-period"
+            "neither taylor nor radau in f64, to which taylor leaves what is too stiff for it, could follow the motion; no \
+             setting is known that does"
         }
         Scheme::Radau => {
             "the motion needs shorter steps, or more of them in a period, than there may be, or a number overflowed; \
              `tribochaos history` shows how far it goes"
         }
-        Scheme::Rk4 => "use more --steps-per-period or a smaller --renormalise-every, or try --scheme radau",
+        Scheme::Rk4 => {
+            "fixed steps do not resolve the motion; more --steps-per-period may, and the default scheme mostly does: leave \
+             --scheme out"
+        }
     }
 }
 

@@ -7,6 +7,7 @@ use std::ops::Range;
 use super::adaptive::{Control, Orbit, Peaks, System};
 use super::radau::ModeStep;
 use crate::experiment::Settings;
+use crate::model::motion::RUNAWAY_BOUND;
 use crate::model::rubbing::HeatModes;
 use crate::model::thermal_modes::ThermalModes;
 use crate::parameters::{Parameter, ParameterSet};
@@ -40,6 +41,8 @@ pub struct History {
     pub given_up: bool,
     /// Whether it was the pressure.
     pub pressure_ran_away: bool,
+    /// When the motion or the pressure ran away, in tau.
+    pub runaway: Option<f64>,
     /// Greatest p, also between samples, and its tau.
     pub peak_pressure: f64,
     pub peak_pressure_time: f64,
@@ -90,7 +93,9 @@ pub fn history(parameters: &ParameterSet, settings: &Settings, shown: Range<u32>
         samples: all,
         contact_lost: (peaks.lost[0] >= 0.0).then(|| time(peaks.lost)),
         given_up,
-        pressure_ran_away: orbit.runaway > 0.0,
+        runaway: (orbit.runaway > 0.0)
+            .then(|| time([orbit.periods, orbit.runaway_phase * parameters.forcing_period()])),
+        pressure_ran_away: orbit.runaway > 0.0 && orbit.x.abs() + orbit.y(&system).abs() < RUNAWAY_BOUND,
         peak_pressure: peaks.pressure,
         peak_pressure_time: time(peaks.pressure_time),
         peak_temperature: peaks.temperature,

@@ -307,7 +307,8 @@ fn trial_step<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series:
     let has_just_come = distance.less(R::splat(AT_BOUNDARY) * flow.epsilon_0);
     let distance = R::select(has_just_come, flow.epsilon_0, distance);
     let is_in_layer = (piece.upper - piece.lower).less(R::splat(1.5) * flow.epsilon_0);
-    let rates = series.by_w[0].abs().max(R::splat(SWING) * series.by_x[0].abs().sqrt());
+    let swing = series.by_x[0].abs().sqrt();
+    let rates = (series.by_w[0].abs() + swing).max(R::splat(SWING) * swing);
     let way = R::select(is_in_layer, R::splat(REACH) * distance, flow.free_step);
     let speed = R::select(is_in_layer, slope.abs(), rates);
     let longest = longest.min(R::select(is_in_layer, flow.longest_in_layer, longest));

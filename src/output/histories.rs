@@ -216,6 +216,7 @@ mod tests {
             contact_lost: Some(7.25),
             given_up: false,
             pressure_ran_away: false,
+            runaway: None,
             peak_pressure: 1.0,
             peak_pressure_time: 0.0,
             peak_temperature: 0.0,

@@ -20,11 +20,11 @@ fn linear_well(omega_0: f64, damping: f64) -> ParameterSet {
     use Parameter::{Alpha, Beta, Epsilon, F0, H1, Omega0, OmegaK, X0, ZetaK};
     point(&[
         (F0, 0.0),
-        (Alpha, 0.0),
+        // hardly any friction, by which the drive still counts as one, however slow
+        (Alpha, 1e-9),
         (Beta, 0.0),
         (OmegaK, 0.0),
-        // so slow a drive of nothing would be left out
-        (ZetaK, 1e-12),
+        (ZetaK, 1.0),
         (Epsilon, 1.0),
         (H1, damping),
         (Omega0, omega_0),
@@ -44,7 +44,7 @@ fn roots(damping: f64) -> [f64; 2] {
 fn no_exponent_has_a_floor() {
     let cases: Vec<(f64, f64)> = [0.02, 0.05, 0.1, 0.15, 0.5, 2.0, 10.0]
         .into_iter()
-        .flat_map(|omega_0| [0.05, 0.5, 2.0, 5.0, 20.0].map(|damping| (omega_0, damping)))
+        .flat_map(|omega_0| [0.05, 0.5, 2.1, 5.0, 20.0].map(|damping| (omega_0, damping)))
         .collect();
     let points: Vec<_> = cases
         .iter()

@@ -11,6 +11,7 @@ use crate::dynamics::divergence_check::{checked_growth, growth_of_first};
 use crate::dynamics::drive::DriveTable;
 use crate::dynamics::rk4::{self, StageSpeeds, State, StepSize};
 use crate::dynamics::tangent::{Bases, Growth, Vector};
+use crate::dynamics::taylor::is_layer_resolved;
 use crate::experiment::Settings;
 use crate::lanes::{Real, Wide};
 use crate::model::motion::Motion;
@@ -53,7 +54,11 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
             h: StepSize::new(h),
             groups: std::array::from_fn(|group| {
                 let first = group * R::LANES;
-                Group::new(|lane| instance(first + lane), |lane| h(first + lane))
+                let mut group = Group::new(|lane| instance(first + lane), |lane| h(first + lane));
+                group
+                    .record
+                    .note_under_resolved(|lane| !is_layer_resolved::<R>(instance(first + lane)));
+                group
             }),
         }
     }
