@@ -166,6 +166,55 @@ fn the_error_claimed_for_chaos_covers_a_disjoint_run_ten_times_longer() {
     );
 }
 
+/// Chaos in bands that the orbit leaves and changes after some hundred periods: two standard errors of the difference to a
+/// disjoint longer run, and the mean of all that are chaotic, which early decisions would make too large.
+#[test]
+fn the_error_claimed_for_intermittent_chaos_covers_a_longer_run() {
+    let intermittent = [
+        (Parameter::Omega0, 1.774),
+        (Parameter::Alpha, 0.1028),
+        (Parameter::Beta, 0.3583),
+        (Parameter::F0, 0.4319),
+        (Parameter::ZetaK, 3.5998),
+        (Parameter::H1, 1.446),
+    ]
+    .iter()
+    .fold(ParameterSet::default(), |set, &(parameter, value)| {
+        set.with(parameter, value)
+    });
+    let side = |i: u32| -1.5 + 3.0 * f64::from(i) / 39.0;
+    let points: Vec<_> = (0..1600)
+        .map(|i| from_state(intermittent, [side(i % 40), side(i / 40)]))
+        .collect();
+    let long = Settings {
+        transient_periods: 600,
+        periods: 4000,
+        ..full_length()
+    };
+    let long = measure(Precision::F64, &long, &points);
+    let short = measure(Precision::F64, &Settings::default(), &points);
+    let pairs: Vec<_> = short
+        .iter()
+        .zip(&long)
+        .filter(|(s, l)| [s, l].iter().all(|m| m.class == Some(Class::Chaotic)))
+        .collect();
+    let covered = pairs
+        .iter()
+        .filter(|(s, l)| (s.lyapunov - l.lyapunov).abs() < 2.0 * s.lyapunov_error.hypot(l.lyapunov_error))
+        .count();
+    let mean = |of: fn(&(&Measurement, &Measurement)) -> f64| pairs.iter().map(of).sum::<f64>() / pairs.len() as f64;
+    let bias = mean(|(s, _)| s.lyapunov) / mean(|(_, l)| l.lyapunov) - 1.0;
+    let early = pairs.iter().filter(|(s, _)| is_decided_early(s)).count();
+    let share = covered as f64 / pairs.len() as f64;
+    println!("{covered} of {}, {early} early, bias {bias:.4}", pairs.len());
+    assert!(
+        pairs.len() > 1000 && (0.92..1.0).contains(&share),
+        "{covered} of {}",
+        pairs.len()
+    );
+    assert!(bias.abs() < 0.06 && 50 * early < pairs.len(), "{bias} {early}");
+}
+
 #[test]
 fn a_run_that_is_taken_up_again_goes_on_as_if_it_had_not_been_interrupted() {
     let points = map_points(997);
