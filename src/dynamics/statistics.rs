@@ -18,11 +18,14 @@ pub fn batches(periods: u32) -> Vec<Range<u32>> {
 /// Fewest groups of batches whose scatter is still worth something.
 const LEAST_GROUPS: usize = 8;
 
+/// Groups that are so many need no allowance for being few.
+const MANY_GROUPS: usize = 12;
+
 /// Standard error of the mean rate `sum(growth)/sum(length)`, given each batch's length and growth.
 ///
 /// Batch means: the batches' scatter gives the error whatever the correlation inside a batch. Where it reaches from one
 /// batch into the next, groups of 2, 4, ... batches scatter more than single ones would make them; the largest estimate
-/// with at least 8 groups is taken, each times [`student`]'s factor (H. Flyvbjerg and H. G. Petersen,
+/// with at least 8 groups is taken, those of less than 12 groups times [`student`]'s factor (H. Flyvbjerg and H. G. Petersen,
 /// doi:10.1063/1.457480). Correlation over more than an eighth of the run is not seen. NaN if a growth is.
 pub fn standard_error(batches: &[(f64, f64)]) -> f64 {
     std::iter::successors(Some(1), |group| Some(2 * group))
@@ -36,7 +39,13 @@ pub fn standard_error(batches: &[(f64, f64)]) -> f64 {
                         .fold((0.0, 0.0), |sum, batch| (sum.0 + batch.0, sum.1 + batch.1))
                 })
                 .collect();
-            scatter(&groups) * student(groups.len())
+            // of more values it is less than what taking the largest adds
+            let allowance = if groups.len() < MANY_GROUPS {
+                student(groups.len())
+            } else {
+                1.0
+            };
+            scatter(&groups) * allowance
         })
         // written so that NaN stays
         .fold(0.0, |largest, error| if error <= largest { largest } else { error })
