@@ -6,7 +6,7 @@
 //!
 //! - An orbit that has come near an attracting cycle is regular: the Floquet multipliers of the cycle are its exponents,
 //!   without any average.
-//! - An orbit whose mean growth stands many standard errors above zero is chaotic.
+//! - An orbit whose mean growth stands many standard errors above zero is chaotic, if the error can be trusted.
 //! - Runaways, and what the scheme has given up, are dropped.
 
 use std::ops::{ControlFlow, Range};
@@ -14,7 +14,8 @@ use std::ops::{ControlFlow, Range};
 use super::cycle::{self, Candidate};
 use super::evaluation::{Ended, Growth, runaway};
 use super::run::{Start, measure_alike};
-use super::{Backend, BackendError, EndState, Slice, Stage};
+use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
+use crate::dynamics::statistics::Spread;
 use crate::experiment::Settings;
 use crate::measurement::{BackendKind, CONSTANT_GROWTH, Class, Contact, Measurement, Status};
 use crate::parameters::{Parameter, ParameterSet};
@@ -30,8 +31,16 @@ const SETTLING: u32 = 64;
 /// Periods of a batch mean of that growth.
 const BATCH: u32 = 8;
 
+/// The leg that is summed up period by period, for the scatter of single periods: the first in which growth counts.
+const SAMPLED_FROM: u32 = SETTLING;
+
 /// A motion is chaotic once its mean growth stands so many standard errors above zero...
 const CERTAINTY: f64 = 6.0;
+
+/// ...and so many of those that independent periods would have: where growth alternates between bands, batch means are too sure
+/// until an orbit has slipped from their order several times, and an early decision would pick the runs without a slip, whose
+/// growth is too large...
+const BANDED_CERTAINTY: f64 = 5.0;
 
 /// ...and by which vectors have grown by more than exp of this: an orbit that leaves an unstable cycle grows steadily, too, from
 /// the distance at which it would have been taken for the cycle, exp(-8.5) by the default tolerance, to that of other motion...
@@ -102,6 +111,8 @@ struct Live {
     /// Of x, since growth counts.
     extremes: [f64; 2],
     growth: Growth,
+    /// Of the growth of single periods.
+    spread: Spread,
     /// The period of the cycle that it may be on.
     candidate: Option<u32>,
     /// Periods that went into looking at cycles, besides those of the run.
@@ -117,6 +128,7 @@ impl Live {
             tangent: [1.0, 0.0],
             extremes: [f64::INFINITY, f64::NEG_INFINITY],
             growth: Growth::default(),
+            spread: Spread::default(),
             candidate: None,
             turned: 0,
         }
@@ -154,6 +166,26 @@ impl Live {
             runaway_periods: None,
             under_resolved: false,
             contact: Contact::CONSTANT,
+        }
+    }
+
+    /// Standard error of the exponent over so many periods if each were independent of the others.
+    fn independent_error(&self, periods: u32) -> f64 {
+        self.spread.independent_error(periods) / self.parameters.forcing_period()
+    }
+
+    /// The measurement of its run at full length. The error of chaos is at least that of independent periods, where it has been
+    /// looked at: what made it too unsure for an early decision may not show in so few batches.
+    fn full_length(&self, measurement: Measurement, periods: u32) -> Measurement {
+        let floor = if measurement.class == Some(Class::Chaotic) {
+            self.independent_error(periods)
+        } else {
+            0.0
+        };
+        Measurement {
+            // NaN where the run is too short for a look
+            lyapunov_error: measurement.lyapunov_error.max(floor),
+            ..self.own(measurement, measurement.integrated_periods)
         }
     }
 
@@ -205,15 +237,28 @@ impl Batch<'_> {
         };
         load(backend, &self.over(leg.end - leg.start), &self.live)?;
         for first in (0..leg.end - leg.start).step_by(BATCH as usize) {
-            backend.advance(&Slice {
-                stage,
-                first,
-                periods: BATCH,
-                elapsed: leg.start + first,
-            })?;
+            let stride = if leg.start == SAMPLED_FROM { 1 } else { BATCH };
+            let mut batch = vec![Sums::default(); self.live.len()];
+            for first in (first..first + BATCH).step_by(stride as usize) {
+                backend.advance(&Slice {
+                    stage,
+                    first,
+                    periods: stride,
+                    elapsed: leg.start + first,
+                })?;
+                if leg.start < SETTLING {
+                    continue;
+                }
+                for ((live, batch), sums) in self.live.iter_mut().zip(&mut batch).zip(backend.collect()?) {
+                    batch.add(&sums);
+                    if stride == 1 {
+                        live.spread.add(sums.growth[0]);
+                    }
+                }
+            }
             if leg.start >= SETTLING {
-                for (live, sums) in self.live.iter_mut().zip(backend.collect()?) {
-                    live.growth.add(BATCH.into(), &sums);
+                for (live, sums) in self.live.iter_mut().zip(&batch) {
+                    live.growth.add(BATCH.into(), sums);
                 }
             }
             if progress(u64::from(BATCH) * self.live.len() as u64).is_break() {
@@ -270,7 +315,9 @@ impl Batch<'_> {
                 backend: backend.kind(),
             });
             let (lyapunov, error) = (measurement.lyapunov, measurement.lyapunov_error);
-            let is_certain = lyapunov > CERTAINTY * error && lyapunov * measurement.lyapunov_interval > GROWN;
+            let is_certain = lyapunov > CERTAINTY * error
+                && lyapunov > BANDED_CERTAINTY * live.independent_error(periods)
+                && lyapunov * measurement.lyapunov_interval > GROWN;
             if measurement.class == Some(Class::Chaotic) && is_certain && error > CONSTANT_GROWTH {
                 self.measured[live.index] = Some(Measurement {
                     // the weights of a leg are not those of a run
@@ -322,7 +369,7 @@ impl Batch<'_> {
             return Ok(None);
         };
         for (live, measurement) in self.live.iter().zip(measured) {
-            self.measured[live.index] = Some(live.own(measurement, measurement.integrated_periods));
+            self.measured[live.index] = Some(live.full_length(measurement, self.settings.periods));
         }
         Ok(self.measured.into_iter().collect())
     }

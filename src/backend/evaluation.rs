@@ -43,10 +43,7 @@ impl Growth {
     pub fn add(&mut self, periods: f64, sums: &Sums) {
         self.batches.push((periods, sums.growth[0]));
         self.second_batches.push((periods, sums.growth[1]));
-        self.total.growth[0] += sums.growth[0];
-        self.total.growth[1] += sums.growth[1];
-        self.total.birkhoff += sums.birkhoff;
-        self.total.divergence += sums.divergence;
+        self.total.add(sums);
     }
 
     /// Weighted Birkhoff average of the first vector's growth per period, over batches of equal length.

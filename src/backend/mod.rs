@@ -72,6 +72,15 @@ pub struct Sums {
     pub divergence: f64,
 }
 
+impl Sums {
+    fn add(&mut self, other: &Self) {
+        self.growth[0] += other.growth[0];
+        self.growth[1] += other.growth[1];
+        self.birkhoff += other.birkhoff;
+        self.divergence += other.divergence;
+    }
+}
+
 /// What is left of an instance at the end of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct EndState {

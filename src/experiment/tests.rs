@@ -230,3 +230,28 @@ fn a_misspelt_name_in_a_file_is_reported_with_its_line() {
         assert!(message.contains("at line 3, "), "{message}");
     }
 }
+
+#[test]
+fn slow_conduction_asks_for_more_heat_modes() {
+    let warnings = |omega_tilde: f64, modes: u32| {
+        let mut request = Request::default();
+        for (name, value) in [
+            ("gamma", 1.87),
+            ("k_w", 0.01),
+            ("biot", 10.0),
+            ("omega_tilde", omega_tilde),
+        ] {
+            request.set.insert(name.to_owned(), value);
+        }
+        request.settings.modes = modes;
+        request.resolve().unwrap().warnings().join(" ")
+    };
+    assert_eq!(warnings(0.1, 12), "");
+    assert!(
+        warnings(0.024, 12).contains("use --modes 22 or more"),
+        "{}",
+        warnings(0.024, 12)
+    );
+    assert_eq!(warnings(0.024, 24), "");
+    assert!(warnings(0.001, 64).contains("even 64 modes"));
+}
