@@ -3,7 +3,7 @@
 //! Owns which states are kept, and their comparison, done once at the end of a run: in its periods nothing is done but to
 //! keep a state. Twin: `shaders/dynamics/stroboscope.wgsl`.
 
-use crate::lanes::Real;
+use crate::lanes::{Mask, Real};
 
 /// The motion must repeat over this many last forcing periods at least.
 pub const LEAST_WINDOW: u32 = 64;
@@ -56,6 +56,19 @@ impl<R: Real> Stroboscope<R> {
     #[inline(always)]
     pub fn record(&mut self, x: R, y: R) {
         self.states.push([x, y]);
+    }
+
+    /// Which lanes have period 1, all at once: it is the most frequent one, and the longest to be compared.
+    #[inline(always)]
+    pub fn repeats_after_one(&self, tolerance: R) -> R::Mask {
+        let window = self.states.len();
+        let first = window - span_of(1, window as u32) as usize;
+        let mut same = R::splat(0.0).less(R::splat(f64::from(u8::from(window > 1))));
+        for pair in self.states[first..].windows(2) {
+            let [x, y] = [0, 1].map(|i| (pair[1][i] - pair[0][i]).abs().less(tolerance));
+            same = same.and(x).and(y);
+        }
+        same
     }
 
     /// See [`period_of`]: that of a lane, where states agree whose x and y differ by less than `tolerance`.

@@ -102,15 +102,21 @@ impl<R: Real> Record<R> {
         }
     }
 
-    #[cold]
+    #[inline(always)]
     fn find_periods(&mut self, measuring: &Measuring) {
         let Measuring {
             max_period,
             period_tolerance,
             ..
         } = *measuring;
+        // most lanes come to rest on a short period, or on none, which their last states tell
+        let repeats = self.stroboscope.repeats_after_one(R::splat(period_tolerance));
         for (lane, period) in self.motion_periods.iter_mut().enumerate() {
-            *period = self.stroboscope.period_of(lane, max_period, period_tolerance);
+            *period = if repeats.lane(lane) {
+                Some(1)
+            } else {
+                self.stroboscope.period_of(lane, max_period, period_tolerance)
+            };
         }
     }
 
