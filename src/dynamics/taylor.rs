@@ -62,7 +62,7 @@ pub const STIFF: f64 = 2.0;
 pub const DRAG_GROWTH: f64 = 0.1;
 
 /// By this the rate of the bush's swing, by which a series converges more slowly than by a rate of decay, counts more.
-pub const SWING: f64 = 3.3;
+pub const SWING: f64 = 2.5;
 
 /// Speed of the bush that is added to that of the shaft for this.
 pub const OWN_SPEED: f64 = 1.0;
