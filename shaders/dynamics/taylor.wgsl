@@ -16,6 +16,8 @@ struct Flow {
     longest_in_layer: Real,
     // Outside, a step is at most this over the rates met at its start.
     free_step: Real,
+    // By which the angular speed counts as the square of a rate.
+    stiffening: Real,
 }
 
 // A state within a period.
@@ -78,6 +80,7 @@ fn flow_new(value: Values) -> Flow {
         // an absent layer limits nothing
         LAYER_STEP / max(friction.two_f_0_over_epsilon_0, Real(1e-9)),
         select(Real(FREE_STEP), Real(STIFF_FREE_STEP), Real(STIFF) < drag * unit * value.step_size),
+        sqrt(3.0 * linear * abs(value.b)),
     );
 }
 
@@ -150,7 +153,8 @@ fn trial_step(flow: Flow, piece: Piece, series: Series, ticks_left: Word) -> Rea
     // a start at the boundary has just come from there
     let way_across = select(distance, flow.epsilon_0, distance < AT_BOUNDARY * flow.epsilon_0);
     let is_in_layer = piece.upper - piece.lower < 1.5 * flow.epsilon_0;
-    let swing = sqrt(abs(series.by_x_0));
+    // where x passes through 0 fast, its rate is that which it soon comes to
+    let swing = sqrt(max(abs(series.by_x_0), flow.stiffening * abs(series.w_0)));
     let rates = max(abs(series.by_w_0) + swing, SWING * swing);
     let way = select(flow.free_step, REACH * way_across, is_in_layer);
     let speed = select(rates, abs(slope), is_in_layer);

@@ -196,10 +196,15 @@ impl Track {
         }
         let turn_time = f64::from(candidate.period) * candidate.instance.forcing_period();
         let [before, last] = [0, 1].map(|i| Multipliers::new(&self.turns[i], &self.turns[i + 1]));
-        let exponents = last.log_moduli().map(|log| log / turn_time);
+        let moduli = last.log_moduli();
         // an orbit's approach, and what it still changes, shrink by the multiplier in every turn
+        let to_come = match last.leading() {
+            leading if leading < 1.0 => leading / (1.0 - leading),
+            _ => 0.0,
+        };
+        let exponents = [0, 1].map(|i| (moduli[i] + to_come * (moduli[i] - before.log_moduli()[i])) / turn_time);
         let approach = (exponents[0] * turn_time).exp_m1().abs();
-        let changes = [0, 1].map(|i| (before.log_moduli()[i] / turn_time - exponents[i]).abs() / approach);
+        let changes = [0, 1].map(|i| (before.log_moduli()[i] - moduli[i]).abs() / turn_time / approach);
         // what the sum misses, the scheme may have missed of either
         let defect = self.defect / turn_time;
         let errors = changes.map(|change| change + defect.abs());

@@ -62,6 +62,16 @@ impl Multipliers {
         [self.half_log_determinant + spread, self.half_log_determinant - spread]
     }
 
+    /// mu_1 where it is real, and else 0: by this the distance from an attracting cycle shrinks in a turn.
+    pub fn leading(&self) -> f64 {
+        let scaled_trace = self.half_trace * self.log_scale.min(LARGE).exp();
+        if scaled_trace.abs() < 1.0 {
+            0.0
+        } else {
+            self.log_moduli()[0].exp().copysign(scaled_trace)
+        }
+    }
+
     /// |1 - mu_1|: by how much less than its distance from an attracting cycle an orbit moves in a turn.
     pub fn distance_from_one(&self) -> f64 {
         let modulus = self.log_moduli()[0].exp();

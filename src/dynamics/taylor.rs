@@ -115,6 +115,9 @@ pub struct Flow<R> {
     longest_in_layer: R,
     /// Outside, a step is at most this over the rates met at its start.
     free_step: R,
+    /// By which the angular speed counts as the square of a rate: sqrt(3 |b|), the frequency of a fast swing squared over its
+    /// speed.
+    stiffening: R,
     /// 1 in lanes whose layer is [`THIN`], and whether there are any.
     thin: R,
     pub any_thin: bool,
@@ -199,6 +202,7 @@ impl<R: Real> Flow<R> {
             any_thin: !thin.less(R::splat(0.5)).all(),
             longest,
             free_step,
+            stiffening: (R::splat(3.0) * linear * value(B).abs()).sqrt(),
             // an absent layer limits nothing
             longest_in_layer: R::splat(LAYER_STEP) / friction.layer_rate().max(R::splat(1e-9)),
         }
@@ -307,7 +311,8 @@ fn trial_step<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series:
     let has_just_come = distance.less(R::splat(AT_BOUNDARY) * flow.epsilon_0);
     let distance = R::select(has_just_come, flow.epsilon_0, distance);
     let is_in_layer = (piece.upper - piece.lower).less(R::splat(1.5) * flow.epsilon_0);
-    let swing = series.by_x[0].abs().sqrt();
+    // where x passes through 0 fast, its rate is that which it soon comes to
+    let swing = series.by_x[0].abs().max(flow.stiffening * series.w[0].abs()).sqrt();
     let rates = (series.by_w[0].abs() + swing).max(R::splat(SWING) * swing);
     let way = R::select(is_in_layer, R::splat(REACH) * distance, flow.free_step);
     let speed = R::select(is_in_layer, slope.abs(), rates);

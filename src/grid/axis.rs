@@ -84,12 +84,17 @@ impl Axis {
     /// The value at `index` in `0..count`; the ends are met exactly. A value that is a short decimal is the number that typing
     /// it gives, bit for bit, so that it is found by its value.
     pub fn value(&self, index: usize) -> f64 {
+        if index == 0 || index + 1 == self.count {
+            return if index == 0 { self.start } else { self.stop };
+        }
         let t = index as f64 / (self.count - 1) as f64;
         let value = self.start * (1.0 - t) + self.stop * t;
         let scale = self.start.abs().max(self.stop.abs());
+        if !scale.is_normal() {
+            return value;
+        }
         let decimals = (DIGITS - 1.0 - scale.log10().floor()).max(0.0) as usize;
-        // what is no number is left as it is
-        let decimal: f64 = format!("{value:.decimals$}").parse().unwrap_or(value);
+        let decimal: f64 = format!("{value:.decimals$}").parse().expect("it was a number");
         // by adding up, rounding to a few spacings of the larger end
         if (decimal - value).abs() <= 4.0 * f64::EPSILON * scale {
             decimal

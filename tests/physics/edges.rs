@@ -68,7 +68,11 @@ fn no_exponent_has_a_floor() {
                     (m.lyapunov_second - second).abs() < 100.0 * tolerance * second.abs(),
                     "{what}"
                 );
-                assert!((m.divergence + damping).abs() < tolerance * (1.0 + damping), "{what}");
+                // a sum of thousands of steps
+                assert!(
+                    (m.divergence + damping).abs() < 3.0 * tolerance * (1.0 + damping),
+                    "{what}"
+                );
             }
         }
     }
@@ -180,7 +184,11 @@ fn what_truly_diverges_has_run_away_at_its_time() {
     // negative damping: energy grows without bound, and the speed reaches the bound in some swing
     let driven_up = point(&[(F0, 0.0), (Alpha, 0.0), (Beta, 0.0), (H1, -0.5)]);
     for scheme in [Scheme::Taylor, Scheme::Radau] {
-        let [m] = measure(Precision::F64, &settings(scheme), &[driven_up])[..] else {
+        let settings = Settings {
+            tolerance: 1e-5,
+            ..settings(scheme)
+        };
+        let [m] = measure(Precision::F64, &settings, &[driven_up])[..] else {
             unreachable!()
         };
         assert!(
