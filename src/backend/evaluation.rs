@@ -53,14 +53,15 @@ impl Growth {
         weights.iter().zip(rates).map(|(weight, rate)| weight * rate).sum()
     }
 
-    /// The whole batches in the last `periods`, at least one.
+    /// The whole batches in the last `periods`, at least two.
     fn over_last(&self, periods: u32) -> Self {
         let mut length = 0.0;
         let within = self.batches.iter().rev().take_while(|batch| {
             length += batch.0;
             length <= f64::from(periods)
         });
-        let first = self.batches.len() - within.count().max(1);
+        // of a single batch, as long as it may be in a long run, nobody knows how sure it is
+        let first = self.batches.len().saturating_sub(within.count().max(2));
         Self {
             batches: self.batches[first..].to_vec(),
             second_batches: self.second_batches[first..].to_vec(),

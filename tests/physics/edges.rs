@@ -198,6 +198,25 @@ fn what_truly_diverges_has_run_away_at_its_time() {
     }
 }
 
+/// In a long run a batch is longer than the window in which a period shows.
+#[test]
+fn a_cycle_is_told_however_long_the_run() {
+    let cycles = [4.0, 5.3].map(|zeta_k| point(&[(Parameter::ZetaK, zeta_k)]));
+    for periods in [550, 1600, 2100, 4999, 10_000] {
+        let settings = Settings {
+            decide_early: false,
+            periods,
+            ..settings(Scheme::Taylor)
+        };
+        for m in measure(Precision::F64, &settings, &cycles) {
+            assert!(
+                m.status == Status::Ok && m.class == Some(Class::Regular),
+                "{periods}: {m:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn slow_drives_and_strong_damping_are_resolved_and_schemes_agree() {
     use Parameter::{H1, Omega0};
