@@ -214,6 +214,7 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
         "thinnest_layer",
         "the host marks what is not resolved",
     ),
+    ("dynamics/taylor", "of", "the shader has instances in lanes"),
     ("dynamics/taylor", "unit_of_time", "the host gives it to the shader"),
     ("dynamics/taylor", "longest_step", "the host gives it to the shader"),
     (

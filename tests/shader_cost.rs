@@ -108,8 +108,7 @@ fn steps_per_period() -> f64 {
     let mut steps = 0;
     for p in &points {
         let unit = taylor::unit_of_time(p[Parameter::Omega0]) as f32;
-        let longest = taylor::longest_step(p, Scheme::Taylor.default_steps_per_period()) as f32;
-        let flow = Flow::<f32>::new(|parameter| p[parameter] as f32, unit, longest);
+        let flow = Flow::<f32>::of(p, Scheme::Taylor.default_steps_per_period());
         let (mut x, mut y) = (p[Parameter::X0] as f32, p[Parameter::Y0] as f32);
         for period in 0..10 + periods {
             let mut state = flow.start(x, y * unit, Ticks::splat(f32::PERIOD_TICKS));

@@ -94,7 +94,7 @@ fn taylor_step(flow: Flow, before: State) -> Step {
     var state = before;
     let v = flow.omega_k + state.drive - state.w;
     if (is_any(flow.thin)) {
-        // a layer that was crossed in less than the least step is behind
+        // a layer that is crossed in less than the least step was left behind, with v on its other side
         let piece = friction_piece(flow.friction, state.piece, flow.epsilon_0);
         let margin = MISSED * flow.epsilon_0;
         let is_lost = flow.thin & ((v < piece.lower - margin) | (piece.upper + margin < v));

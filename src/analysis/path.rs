@@ -205,11 +205,9 @@ struct TaylorSteps {
 
 impl TaylorSteps {
     fn new(parameters: &ParameterSet, steps_per_period: u32) -> Self {
-        let unit = taylor::unit_of_time(parameters[Parameter::Omega0]);
-        let longest = taylor::longest_step(parameters, steps_per_period);
         Self {
-            flow: Flow::new(|parameter| parameters[parameter], unit, longest),
-            unit,
+            flow: Flow::of(parameters, steps_per_period),
+            unit: taylor::unit_of_time(parameters[Parameter::Omega0]),
             most_passes: taylor::most_passes(parameters.forcing_period()),
             x: parameters[Parameter::X0],
             y: parameters[Parameter::Y0],

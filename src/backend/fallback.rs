@@ -1,9 +1,9 @@
 //! What a scheme could not finish, by the one that can: radau in f64, on the CPU.
 //!
-//! Owns which measurements are made anew, and what is taken of them. A scheme of explicit steps is held up by motion that is
-//! far stiffer than it is fast: a bush that sticks in a thin friction layer, strong damping, an escape against friction that
-//! grows with the speed. Radau's steps are as long as the motion is smooth. It also tells within a period when an orbit ran
-//! away, which the others notice at its end.
+//! Owns which measurements are made anew, and what is taken of them. Explicit steps are held up by stiff motion, however slow: a
+//! bush that sticks in a thin friction layer, strong damping, an escape against friction that grows with the speed. Steps of
+//! radau are as long as the motion is smooth. Radau also tells when within a period an orbit ran away; the other schemes notice
+//! it at the period's end.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -22,12 +22,12 @@ const TOLERANCE: f64 = 1e-8;
 /// Error of a step where an orbit is followed to where it runs away.
 const ESCAPE_TOLERANCE: f64 = 1e-6;
 
-/// Most forcing periods over which an orbit is followed from its start to where it runs away; after more of them number types
-/// and schemes differ by too much, and it is followed from the beginning of the period at whose end it was noticed.
+/// Most forcing periods over which an orbit is followed from its start to where it runs away. After more of them number types and
+/// schemes differ by too much. The orbit is then followed from the beginning of the period at whose end its escape was noticed.
 const MOST_ESCAPE_PERIODS: u32 = 512;
 
-/// A sum of exponents that misses the divergence by more than this, relative to 1 + |divergence|, tells of a motion that is
-/// rougher than the steps of taylor in f64 were made for.
+/// Where the sum of the exponents misses the divergence by more than this, relative to 1 + |divergence|, the steps of taylor in
+/// f64 were too long for the motion.
 const ROUGH: f64 = 5e-5;
 
 fn is_rough(measurement: &Measurement) -> bool {
@@ -38,8 +38,9 @@ fn is_rough(measurement: &Measurement) -> bool {
 /// Completes the measurements of instances of constant contact pressure by the scheme of `settings`. None if `progress` broke
 /// it off.
 ///
-/// - Where an orbit ran away, the time is found within the period; one that did so by the scheme alone is under-resolved.
-/// - What is under-resolved, or [`ROUGH`], is measured anew. Of rk4, whose steps were asked for as they are, only an escape is taken.
+/// - Where an orbit ran away, the time is found within the period. An escape that radau does not confirm is under-resolved.
+/// - What is under-resolved, or misses the divergence by more than [`ROUGH`], is measured anew. The steps of rk4 were asked for
+///   as they are: of its points only escapes are taken.
 ///
 /// # Errors
 /// If the CPU backend fails.
@@ -49,17 +50,6 @@ pub(super) fn complete(
     measured: &mut [Measurement],
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<()>, BackendError> {
-    let scheme = settings.scheme();
-    let is_radau_f64 =
-        |measurement: &Measurement| scheme == Scheme::Radau && measurement.backend == BackendKind::CpuF64;
-    let indices = |wanted: &dyn Fn(&Measurement) -> bool| -> Vec<usize> {
-        let chosen = measured
-            .iter()
-            .enumerate()
-            .filter(|(_, m)| wanted(m) && !is_radau_f64(m));
-        chosen.map(|(index, _)| index).collect()
-    };
-    let escaped = indices(&|m| matches!(m.status, Status::Runaway { .. }));
     let mut backend = CpuBackend::new(Precision::F64);
     let fallback = Settings {
         scheme: Some(Scheme::Radau),
@@ -68,71 +58,82 @@ pub(super) fn complete(
         precision: Some(Precision::F64),
         ..settings.clone()
     };
-    // by the number of periods that they are followed over
-    let mut escapes: BTreeMap<u32, Vec<(usize, u32, ParameterSet)>> = BTreeMap::new();
-    for &index in &escaped {
-        let Status::Runaway { time } = measured[index].status else {
-            continue;
-        };
-        let set = &instances[index];
-        let noticed = (time / set.forcing_period()).round() as u32;
-        let (start, before) = match noticed > MOST_ESCAPE_PERIODS {
-            true => (noticed - 1, last_state(set, &measured[index])),
-            false => (0, *set),
-        };
-        let periods = noticed + 1 - start;
-        escapes.entry(periods).or_default().push((index, start, before));
-    }
-    let escaping = Settings {
-        tolerance: ESCAPE_TOLERANCE,
-        ..fallback.clone()
+    let scheme = settings.scheme();
+    let is_by_fallback = |m: &Measurement| scheme == Scheme::Radau && m.backend == BackendKind::CpuF64;
+    let with = |measured: &[Measurement], wanted: &dyn Fn(&Measurement) -> bool| -> Vec<usize> {
+        (0..measured.len())
+            .filter(|&index| wanted(&measured[index]) && !is_by_fallback(&measured[index]))
+            .collect()
     };
-    for (periods, escapes) in escapes {
-        locate(&mut backend, &escaping, periods, &escapes, measured)?;
-    }
 
-    let given_up: Vec<usize> = (0..measured.len())
-        .filter(|&index| {
-            let m = &measured[index];
-            (m.status == Status::UnderResolved || (scheme == Scheme::Taylor && is_rough(m))) && !is_radau_f64(m)
-        })
-        .collect();
+    let escaped = with(measured, &has_escaped);
+    time_escapes(&mut backend, &fallback, instances, &escaped, measured)?;
+
+    let given_up = with(measured, &|m| {
+        m.status == Status::UnderResolved || (scheme == Scheme::Taylor && is_rough(m))
+    });
     let chosen: Vec<_> = given_up.iter().map(|&index| instances[index]).collect();
-    // it was reported as done before
-    let mut unheard = |_| progress(0);
-    let anew = match given_up.is_empty() {
-        true => Some(Vec::new()),
-        false => measure_lasting(&mut backend, &fallback, &chosen, &mut unheard)?,
-    };
-    let Some(anew) = anew else {
-        return Ok(None);
-    };
-    for (&index, anew) in given_up.iter().zip(anew) {
-        let is_escape = matches!(anew.status, Status::Runaway { .. });
-        if is_escape || scheme != Scheme::Rk4 {
-            measured[index] = Measurement {
-                integrated_periods: anew.integrated_periods + measured[index].integrated_periods,
-                ..anew
-            };
+    if !chosen.is_empty() {
+        // they were reported as done before
+        let mut unheard = |_| progress(0);
+        let Some(anew) = measure_lasting(&mut backend, &fallback, &chosen, &mut unheard)? else {
+            return Ok(None);
+        };
+        for (&index, anew) in given_up.iter().zip(anew) {
+            if scheme != Scheme::Rk4 || has_escaped(&anew) {
+                measured[index] = Measurement {
+                    integrated_periods: anew.integrated_periods + measured[index].integrated_periods,
+                    ..anew
+                };
+            }
         }
     }
-    for measurement in measured.iter_mut() {
+    for measurement in measured.iter_mut().filter(|m| has_escaped(m)) {
         // what is left of an orbit that ran away is when
-        if matches!(measurement.status, Status::Runaway { .. }) {
-            (measurement.x, measurement.y) = (f64::NAN, f64::NAN);
-        }
+        (measurement.x, measurement.y) = (f64::NAN, f64::NAN);
     }
     Ok(Some(()))
 }
 
-/// The instance from its last stroboscopic state on.
-fn last_state(set: &ParameterSet, measurement: &Measurement) -> ParameterSet {
-    set.with(Parameter::X0, measurement.x)
-        .with(Parameter::Y0, measurement.y)
+fn has_escaped(measurement: &Measurement) -> bool {
+    matches!(measurement.status, Status::Runaway { .. })
 }
 
-/// Finds when orbits ran away, within some periods: of each its index, the period that it is followed from, and the instance
-/// as it was then. One that did not was not resolved.
+/// Finds when the orbits of `escaped` ran away. Those that are followed over equally many periods go together.
+fn time_escapes(
+    backend: &mut CpuBackend,
+    fallback: &Settings,
+    instances: &[ParameterSet],
+    escaped: &[usize],
+    measured: &mut [Measurement],
+) -> Result<(), BackendError> {
+    let settings = Settings {
+        tolerance: ESCAPE_TOLERANCE,
+        ..fallback.clone()
+    };
+    let mut by_periods: BTreeMap<u32, Vec<(usize, u32, ParameterSet)>> = BTreeMap::new();
+    for &index in escaped {
+        let Measurement { status, x, y, .. } = measured[index];
+        let Status::Runaway { time } = status else {
+            continue;
+        };
+        let set = instances[index];
+        let noticed = (time / set.forcing_period()).round() as u32;
+        let (start, begun) = if noticed > MOST_ESCAPE_PERIODS {
+            (noticed - 1, set.with(Parameter::X0, x).with(Parameter::Y0, y))
+        } else {
+            (0, set)
+        };
+        let periods = noticed + 1 - start;
+        by_periods.entry(periods).or_default().push((index, start, begun));
+    }
+    by_periods
+        .into_iter()
+        .try_for_each(|(periods, escapes)| locate(backend, &settings, periods, &escapes, measured))
+}
+
+/// Follows orbits over some periods to where they run away; one that does not is under-resolved. Of each are given its index, the
+/// period that it is followed from, and the instance as it was then.
 fn locate(
     backend: &mut CpuBackend,
     settings: &Settings,

@@ -47,7 +47,7 @@ pub fn plan(experiment: &Experiment) -> String {
         },
         settings.steps_per_period(),
         settings.scheme().name(),
-        if settings.decides_early() {
+        if experiment.decides_early() {
             ", unless decided early"
         } else {
             ""
@@ -115,7 +115,7 @@ pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[St
             "{} points in {took}: {rate:.2e} instance-periods/s on {devices}",
             work.points
         );
-        if settings.decides_early() {
+        if map.experiment.decides_early() {
             let full = sweep::instance_periods(settings, work.points) as f64;
             let _ = writeln!(
                 text,

@@ -103,5 +103,9 @@ impl<R: Real> Vector<R> {
     }
 }
 
+/// A length, or an area, outside of the inverse of this to this is set to 1, and its logarithm kept: until it is looked at
+/// again it stays within f32, squared.
+pub const COMFORTABLE: f64 = 1e8;
+
 /// Smallest squared norm, in the range of f32's normal numbers.
 pub const SMALLEST_SQUARE: f64 = 1e-36;

@@ -51,38 +51,38 @@ pub const LAYER_STEP: f64 = 0.35;
 /// Outside, a step is at most this over the rates met at its start...
 pub const FREE_STEP: f64 = 2.0;
 
-/// ...or this where the cubic drag, at the shaft's greatest speed and some of the bush's own, is stiffer against the longest step
-/// than [`STIFF`]: with longer ones the exponents lose digits where such drag is met all the time.
+/// ...or this where the cubic drag is stiff. Longer steps cost the exponents digits there, since such drag is met all the time.
 pub const STIFF_FREE_STEP: f64 = 0.8;
 
-/// Rate times step from which the cubic drag counts as stiff.
+/// The cubic drag is stiff where its rate times the longest step exceeds this. The rate is that at the shaft's greatest speed plus
+/// [`OWN_SPEED`].
 pub const STIFF: f64 = 2.0;
 
 /// What the rate of a stiff cubic drag may grow to in a step that begins without sliding, times the step.
 pub const DRAG_GROWTH: f64 = 0.1;
 
-/// By this the rate of the bush's swing, by which a series converges more slowly than by a rate of decay, counts more.
+/// The rate of the bush's swing counts as so many rates of decay: a series converges more slowly where x swings.
 pub const SWING: f64 = 2.5;
 
-/// Speed of the bush that is added to that of the shaft for this.
+/// Speed of the bush: it is added to the shaft's greatest speed where the drag is estimated.
 pub const OWN_SPEED: f64 = 1.0;
 
-/// At most this over the rate of the linear damping is a step long, at the usual number of steps: with it the fast one of two
-/// exponents is as good as the slow one.
+/// At the usual number of steps, a step is at most this over the rate of the linear damping. The fast one of two exponents is
+/// then as good as the slow one.
 pub const DAMPING_STEP: f64 = 0.6;
 
 /// Steps a period that the bounds above belong to; with more of them [`DAMPING_STEP`] falls alike.
 const USUAL_STEPS: f64 = 28.0;
 
-/// Stands for the half-width of a layer that is not there, since there is no dry friction: -eps0 lies above all speeds and eps0
-/// below, so that v is on one of the outer pieces, and reaches no boundary.
+/// Stands for the half-width of the layer where there is no dry friction, and so no layer. It is negative: -eps0 then lies above
+/// all speeds and eps0 below, so that v is on an outer piece always, and meets no boundary.
 pub const NO_LAYER: f64 = -1e30;
 
 /// v is beyond a boundary where it exceeds it by more than this, in units of eps0; rounding does not count as that.
 pub const BEYOND: f64 = 2e-4;
 
-/// A layer of less half-width than this is thin: v may go in, turn, and come out between the points of a step that are looked
-/// at, and one step of Newton's may miss a boundary by more than the layer's width. In thicker ones friction hardly feels that.
+/// A layer of less half-width than this is thin. Between the points of a step that are looked at, v may go into it, turn, and come
+/// out; and one step of Newton's may miss its boundary by more than its width. In thicker layers friction hardly feels either.
 pub const THIN: f64 = 5e-3;
 
 /// The boundary of a thin layer is met again where one step of Newton's misses it by more than this, in units of eps0...
@@ -128,9 +128,11 @@ pub fn unit_of_time(omega_0: f64) -> f64 {
     TAU / (omega_0 * f64::from(UNITS_PER_PERIOD))
 }
 
-/// Longest step in units of time: so many a forcing period, or so many in pi, the paper's forcing period, where the period
-/// is longer than that; [`DAMPING_STEP`] over the rate of the linear damping; and, where the cubic drag is stiff, a step in which
-/// its rate grows from 0 to [`DRAG_GROWTH`] over the step.
+/// Longest step in units of time, the least of three:
+///
+/// - the forcing period, or pi, the paper's, where that is shorter, divided by the number of steps;
+/// - [`DAMPING_STEP`] over the rate of the linear damping;
+/// - where the cubic drag is stiff, the step in which its rate grows from 0 to [`DRAG_GROWTH`] over the step.
 pub fn longest_step(parameters: &ParameterSet, steps_per_period: u32) -> f64 {
     use Parameter::{Alpha, Beta, Epsilon, H1, Omega0, OmegaK, ZetaK};
     let damping = parameters[Epsilon] * parameters[H1].abs().max(parameters[Alpha].abs());
@@ -166,6 +168,15 @@ pub fn most_passes(forcing_period: f64) -> u32 {
 }
 
 impl<R: Real> Flow<R> {
+    /// The flow of one instance.
+    pub fn of(parameters: &ParameterSet, steps_per_period: u32) -> Self {
+        Self::new(
+            |parameter| R::splat(parameters[parameter]),
+            R::splat(unit_of_time(parameters[Parameter::Omega0])),
+            R::splat(longest_step(parameters, steps_per_period)),
+        )
+    }
+
     /// The flow with the parameters that `value` gives, given [`unit_of_time`] and [`longest_step`].
     pub fn new(value: impl Fn(Parameter) -> R, unit: R, longest: R) -> Self {
         use Parameter::{Alpha, B, Beta, Epsilon, Epsilon0, F0, H1, OmegaK, ZetaK};
@@ -251,7 +262,7 @@ pub fn step<R: Real, const L: usize, const THIN: bool>(flow: &Flow<R>, state: &S
     let v = flow.omega_k + state.drive - state.w;
     let mut state = *state;
     if THIN {
-        // a layer that was crossed in less than the least step is behind
+        // a layer that is crossed in less than the least step was left behind, with v on its other side
         let piece = flow.friction.piece(state.piece, flow.epsilon_0);
         let margin = R::splat(MISSED) * flow.epsilon_0;
         let is_lost = v.less(piece.lower - margin).or((piece.upper + margin).less(v));

@@ -63,6 +63,11 @@ impl Experiment {
         self.extent(Parameter::Gamma).1 > 0.0 || self.extent(Parameter::KW).1 > 0.0
     }
 
+    /// Whether points are looked at before their full length: their contact pressure must be constant.
+    pub fn decides_early(&self) -> bool {
+        self.settings.decide_early && !self.is_rubbed()
+    }
+
     /// Whether the contact wears anywhere in the grid.
     pub fn wears(&self) -> bool {
         self.extent(Parameter::KW).1 > 0.0

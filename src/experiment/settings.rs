@@ -181,11 +181,6 @@ impl Settings {
             .unwrap_or_else(|| self.scheme().default_steps_per_period())
     }
 
-    /// Whether instances are looked at before their full length: their contact pressure must be constant.
-    pub fn decides_early(&self) -> bool {
-        self.decide_early && !self.scheme().carries_heat()
-    }
-
     /// The settings with the scheme and its steps written out, so that a later default changes nothing, for instances
     /// with frictional heat or wear (`rubbed`) or without.
     ///

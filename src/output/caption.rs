@@ -142,7 +142,7 @@ fn numerics(map: &ParameterMap) -> String {
             "transient of {} periods, {} measured periods{}",
             settings.transient_periods,
             settings.periods,
-            if settings.decides_early() {
+            if map.experiment.decides_early() {
                 ", less where the motion shows early what it is"
             } else {
                 ""

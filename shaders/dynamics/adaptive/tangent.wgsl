@@ -1,5 +1,8 @@
 // The tangent vector of the full state. Twin: src/dynamics/adaptive/tangent.rs.
 
+// A norm outside of the inverse of this to this is far from 1.
+override COMFORTABLE: f32;
+
 // Smallest squared norm, in the range of normal numbers.
 override SMALLEST_SQUARE: f32;
 
@@ -15,7 +18,7 @@ fn normalise(orbit: ptr<function, Orbit>, system: System) -> f32 {
 // divided by.
 fn settle(orbit: ptr<function, Orbit>, system: System) -> f32 {
     let norm = tangent_norm(orbit, system);
-    if (1e-8 < norm && norm < 1e8) {
+    if (1.0 / COMFORTABLE < norm && norm < COMFORTABLE) {
         return 0.0;
     }
     divide(orbit, norm);

@@ -31,8 +31,8 @@ pub(super) struct RadauBlock<R: Real> {
 pub(super) struct Run<R> {
     measuring: Measuring,
     control: Control<R>,
-    spectra: Spectra,
-    carries_modes: bool,
+    /// None where there is neither heat nor wear.
+    spectra: Option<Spectra>,
 }
 
 impl<R: Real + Send + Sync> Block for RadauBlock<R> {
@@ -43,9 +43,11 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
         Run {
             measuring: Measuring::new(settings),
             control: Control::new(settings),
-            spectra: Spectra::new(instances, settings.modes as usize),
-            // without heat anywhere modes would be carried in vain
-            carries_modes: instances.iter().any(ParameterSet::is_rubbed),
+            // without heat anywhere modes would be found, and carried, in vain
+            spectra: instances
+                .iter()
+                .any(ParameterSet::is_rubbed)
+                .then(|| Spectra::new(instances, settings.modes as usize)),
         }
     }
 
@@ -54,9 +56,9 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
         let lanes = |parameter| R::from_lanes(|lane| instance(lane)[parameter]);
         let modes: Vec<_> = instances
             .iter()
-            .map(|instance| match run.carries_modes {
-                true => run.spectra.heat_modes(instance),
-                false => HeatModes::none(),
+            .map(|instance| match &run.spectra {
+                Some(spectra) => spectra.heat_modes(instance),
+                None => HeatModes::none(),
             })
             .collect();
         let system = System::new(lanes, |lane| &modes[lane.min(modes.len() - 1)]);

@@ -7,7 +7,7 @@ use super::kept::advanced;
 use super::{Orbit, Scratch, System};
 use crate::dynamics::matrix::at_nodes;
 use crate::dynamics::radau::{self, Heat, Memory, Perturbation, Start, Trial};
-use crate::dynamics::tangent::{SMALLEST_SQUARE, Vector};
+use crate::dynamics::tangent::{COMFORTABLE, SMALLEST_SQUARE, Vector};
 use crate::lanes::{Mask, Real};
 
 /// A tangent vector of the full state.
@@ -62,8 +62,9 @@ impl<R: Real> Tangent<R> {
         std::mem::replace(&mut self.divergence, R::splat(0.0))
     }
 
-    /// Divides the vector by its norm and returns the logarithm of its growth since the last call. The norm is that of (X, Y) where there is wear, and else that of
-    /// (X, Y) and the heat modes, these in units of the pressure that they make (none where they feed nothing back).
+    /// Divides the vector by its norm and returns the logarithm of its growth since the last call. Where there is wear, the
+    /// norm is that of (X, Y). Elsewhere it is that of (X, Y) and the heat modes, these in units of the pressure that they
+    /// make (none where they feed nothing back).
     #[inline(always)]
     pub fn normalise(&mut self, system: &System<R>) -> R {
         let norm = self.norm(system);
@@ -77,7 +78,9 @@ impl<R: Real> Tangent<R> {
     pub(super) fn settle(&mut self, system: &System<R>, left: R) {
         let one = R::splat(1.0);
         let norm = self.norm(system);
-        let near = R::splat(1e-8).less(norm).and(norm.less(R::splat(1e8)));
+        let near = R::splat(1.0 / COMFORTABLE)
+            .less(norm)
+            .and(norm.less(R::splat(COMFORTABLE)));
         if near.all() {
             return;
         }

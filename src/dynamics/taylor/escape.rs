@@ -2,7 +2,7 @@
 //!
 //! Owns the search within a step; whether an orbit runs away is told by whoever asks.
 
-use super::{COEFFICIENTS, Flow, Step, longest_step, most_passes, step, unit_of_time};
+use super::{COEFFICIENTS, Flow, Step, most_passes, step, unit_of_time};
 use crate::lanes::LONG_PERIOD_TICKS;
 use crate::model::motion::RUNAWAY_BOUND;
 use crate::parameters::{Parameter, ParameterSet};
@@ -11,8 +11,7 @@ use crate::parameters::{Parameter, ParameterSet};
 /// it does not, or if the scheme gives the orbit up before.
 pub fn escape_time(parameters: &ParameterSet, steps_per_period: u32, periods: u32) -> Option<f64> {
     let unit = unit_of_time(parameters[Parameter::Omega0]);
-    let longest = longest_step(parameters, steps_per_period);
-    let flow = Flow::<f64>::new(|parameter| parameters[parameter], unit, longest);
+    let flow = Flow::<f64>::of(parameters, steps_per_period);
     let size = |x: f64, w: f64| x.abs() + (w / unit).abs();
     let (mut x, mut w) = (parameters[Parameter::X0], parameters[Parameter::Y0] * unit);
     for period in 0..periods {

@@ -7,16 +7,12 @@
 //! vector across the first that spans the area 1, and the area it had spanned goes into a product: no root, no logarithm,
 //! and the sum of the exponents comes from the vectors alone, for the mean divergence to be held against.
 
-use crate::dynamics::tangent::{SMALLEST_SQUARE, Vector};
+use crate::dynamics::tangent::{COMFORTABLE, SMALLEST_SQUARE, Vector};
 use crate::lanes::{Mask, Real};
 
 /// Steps between two renewals of the second vector: few enough for it to keep half of f32's digits in the layer, where it
 /// turns towards the first fastest. As often it is seen to that no length leaves the numbers.
 pub const RENEWAL_STEPS: u32 = 8;
-
-/// A length, or an area, outside of the inverse of this to this is set to 1, and its logarithm kept: until it is looked at
-/// again it stays within f32, squared.
-pub(super) const COMFORTABLE: f64 = 1e8;
 
 #[inline(always)]
 fn is_comfortable<R: Real>(value: R) -> R::Mask {

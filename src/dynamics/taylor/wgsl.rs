@@ -8,14 +8,14 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::growth::{COMFORTABLE, LARGEST, RENEWAL_STEPS};
+use super::growth::{LARGEST, RENEWAL_STEPS};
 use super::number::Number;
 use super::series::{self, Local, Series};
 use super::{
     AT_BOUNDARY, BEYOND, COEFFICIENTS, FREE_STEP, LAYER_STEP, LEAST_TICKS, MAX_PASSES, MISSED, NO_LAYER, ON_BOUNDARY,
     OWN_SPEED, REACH, REFINEMENTS, SMALLEST_SLOPE_SQUARE, STIFF, STIFF_FREE_STEP, SWING, THIN, ticks_per_unit,
 };
-use crate::dynamics::tangent::Vector;
+use crate::dynamics::tangent::{COMFORTABLE, Vector};
 use crate::lanes::Real;
 
 /// The text of one function's body: every operation adds a line.

@@ -11,7 +11,7 @@ use crate::dynamics::adaptive::orbit::{PASS_BUDGET, SETTLING_PASSES};
 use crate::dynamics::adaptive::pass::{LARGE_SPEED, PRESSURE_FLOOR, REJECTED, SAFETY, SHORTEST_STEP};
 use crate::dynamics::radau::{ERROR_WEIGHT, MAX_ITERATIONS};
 use crate::dynamics::stroboscope::LEAST_WINDOW;
-use crate::dynamics::tangent::SMALLEST_SQUARE;
+use crate::dynamics::tangent::{COMFORTABLE, SMALLEST_SQUARE};
 use crate::lanes::Real;
 use crate::measurement::RUNAWAY_BOUND;
 
@@ -64,12 +64,13 @@ pub fn source(modes: u32) -> String {
 }
 
 /// Values of the shader's `override` constants, so that each is defined in one place.
-pub fn constants(workgroup_size: u32, carries_tangent: bool) -> [(&'static str, f64); 19] {
+pub fn constants(workgroup_size: u32, carries_tangent: bool) -> [(&'static str, f64); 20] {
     [
         ("WORKGROUP_SIZE", f64::from(workgroup_size)),
         ("CARRIES_TANGENT", f64::from(u8::from(carries_tangent))),
         ("RUNAWAY_BOUND", RUNAWAY_BOUND),
         ("SMALLEST_SQUARE", SMALLEST_SQUARE),
+        ("COMFORTABLE", COMFORTABLE),
         ("LEAST_WINDOW", f64::from(LEAST_WINDOW)),
         ("ERROR_WEIGHT", ERROR_WEIGHT),
         ("MAX_ITERATIONS", f64::from(MAX_ITERATIONS)),
