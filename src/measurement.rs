@@ -28,6 +28,14 @@ pub const DEFECT_BOUND: f64 = 1e-2;
 /// ...or, where there is hardly any, per unit of tau: f32 leaves as much.
 pub const DEFECT_FLOOR: f64 = 1e-3;
 
+/// A scheme's share in an error is not worth a word below this, per unit of tau.
+const SCHEME_FLOOR: f64 = 1e-3;
+
+/// Whether most of an exponent's error is the scheme's, and more than [`SCHEME_FLOOR`].
+pub fn is_scheme_to_blame(scheme_error: f64, error: f64) -> bool {
+    scheme_error > SCHEME_FLOOR.max(0.5 * error)
+}
+
 /// The kind of motion; [`Class::of`] defines it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -210,8 +218,11 @@ pub struct Measurement {
     /// Maximal exponent, the larger of the two non-trivial ones, per unit of tau. With wear it is one of finite time: the
     /// growth of sqrt(X^2 + Y^2) from (X, Y, rest) = (1, 0, 0), from the start until contact is lost, or to the end.
     pub lyapunov: f64,
-    /// Its standard error, by batch means; NaN for an exponent of finite time.
+    /// Its standard error, by batch means, and the scheme's share; NaN for an exponent of finite time.
     pub lyapunov_error: f64,
+    /// The scheme's share in it: by how much the sum of the exponents misses the divergence, and the exponent that of a finer
+    /// scheme. NaN where there is neither, as with heat or wear.
+    pub scheme_error: f64,
     /// The smaller of the two non-trivial exponents; equal to the maximal one where the tangent vectors rotate. NaN with
     /// heat or wear, whose tangent space has more dimensions, and on a limit cycle without a drive, where it is the trivial
     /// zero along the flow that is left out.
@@ -260,6 +271,7 @@ impl Measurement {
             class: None,
             lyapunov: f64::NAN,
             lyapunov_error: f64::NAN,
+            scheme_error: f64::NAN,
             lyapunov_second: f64::NAN,
             lyapunov_second_error: f64::NAN,
             divergence: f64::NAN,
@@ -308,6 +320,7 @@ impl Measurement {
 pub enum Quantity {
     Lyapunov,
     LyapunovError,
+    SchemeError,
     LyapunovSecond,
     Divergence,
     LyapunovBirkhoff,
@@ -365,6 +378,7 @@ macro_rules! quantity_table {
 quantity_table! {
     Lyapunov         "lyapunov"          "maximal Lyapunov exponent λ₁"            "1/tau" Values::Number;
     LyapunovError    "lyapunov_error"    "standard error of λ₁"                    "1/tau" Values::Number;
+    SchemeError      "scheme_error"      "scheme's share in the error of λ₁"       "1/tau" Values::Number;
     LyapunovSecond   "lyapunov_second"   "second Lyapunov exponent λ₂"             "1/tau" Values::Number;
     Divergence       "divergence"        "mean divergence"                         "1/tau" Values::Number;
     LyapunovBirkhoff "lyapunov_birkhoff" "weighted Birkhoff average of λ₁"         "1/tau" Values::Number;
@@ -440,6 +454,7 @@ impl Quantity {
         match self {
             Self::Lyapunov => m.lyapunov,
             Self::LyapunovError => m.lyapunov_error,
+            Self::SchemeError => m.scheme_error,
             Self::LyapunovSecond => m.lyapunov_second,
             Self::Divergence => m.divergence,
             Self::LyapunovBirkhoff => m.lyapunov_birkhoff,

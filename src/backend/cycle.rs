@@ -225,6 +225,7 @@ impl Track {
             class: Some(class),
             lyapunov: exponents[0],
             lyapunov_error: errors[0],
+            scheme_error: defect.abs(),
             lyapunov_second: exponents[1] + defect,
             lyapunov_second_error: errors[1],
             divergence: self.divergence / (f64::from(TURNS) * turn_time),

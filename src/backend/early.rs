@@ -174,21 +174,6 @@ impl Live {
         self.spread.independent_error(periods) / self.parameters.forcing_period()
     }
 
-    /// The measurement of its run at full length. The error of chaos is at least that of independent periods, where it has been
-    /// looked at: what made it too unsure for an early decision may not show in so few batches.
-    fn full_length(&self, measurement: Measurement, periods: u32) -> Measurement {
-        let floor = if measurement.class == Some(Class::Chaotic) {
-            self.independent_error(periods)
-        } else {
-            0.0
-        };
-        Measurement {
-            // NaN where the run is too short for a look
-            lyapunov_error: measurement.lyapunov_error.max(floor),
-            ..self.own(measurement, measurement.integrated_periods)
-        }
-    }
-
     /// What is left to measure of it once it has run away or been given up.
     fn given_up(&self, end: &EndState, kind: BackendKind) -> Option<Measurement> {
         let unresolved = || Measurement::unmeasured(Status::UnderResolved, kind);
@@ -369,7 +354,7 @@ impl Batch<'_> {
             return Ok(None);
         };
         for (live, measurement) in self.live.iter().zip(measured) {
-            self.measured[live.index] = Some(live.full_length(measurement, self.settings.periods));
+            self.measured[live.index] = Some(live.own(measurement, measurement.integrated_periods));
         }
         Ok(self.measured.into_iter().collect())
     }

@@ -3,7 +3,8 @@
 //! Owns the evaluation; carries nothing on.
 
 use super::{EndState, Sums};
-use crate::dynamics::{statistics, stroboscope};
+use crate::dynamics::statistics::{self, Spread};
+use crate::dynamics::stroboscope;
 use crate::experiment::Settings;
 use crate::measurement::{BackendKind, CONSTANT_GROWTH, Class, Cycle, DEFECT_BOUND, DEFECT_FLOOR, Measurement, Status};
 use crate::parameters::{Parameter, ParameterSet};
@@ -16,6 +17,8 @@ pub(super) struct Growth {
     /// The same of the second vector.
     second_batches: Vec<(f64, f64)>,
     total: Sums,
+    /// Of the growth of single periods, where some were looked at.
+    spread: Spread,
 }
 
 /// How an instance's run ended.
@@ -46,6 +49,11 @@ impl Growth {
         self.total.add(sums);
     }
 
+    /// Takes note of the growth of a single period, which is part of a batch.
+    pub fn sample(&mut self, sums: &Sums) {
+        self.spread.add(sums.growth[0]);
+    }
+
     /// Weighted Birkhoff average of the first vector's growth per period, over batches of equal length.
     pub fn weighted_rate(&self) -> f64 {
         let weights = statistics::birkhoff_weights(self.batches.len() as u32);
@@ -66,6 +74,7 @@ impl Growth {
             batches: self.batches[first..].to_vec(),
             second_batches: self.second_batches[first..].to_vec(),
             total: Sums::default(),
+            spread: Spread::default(),
         }
     }
 
@@ -103,6 +112,7 @@ impl Growth {
         let defect = measurement.divergence_defect().abs();
         let measurement = Measurement {
             lyapunov_error: measurement.lyapunov_error + defect,
+            scheme_error: defect,
             lyapunov_second_error: measurement.lyapunov_second_error + defect,
             ..measurement
         };
@@ -164,12 +174,24 @@ impl Growth {
             growth_rate: self.over_last(stroboscope::span_of(period, window)).rate() / period_time,
         });
         let lyapunov_interval = f64::from(settings.periods) * period_time;
-        let class = Class::of(lyapunov, lyapunov_error, lyapunov_interval, cycle, lyapunov_birkhoff);
+        let (lyapunov_error, class) =
+            match Class::of(lyapunov, lyapunov_error, lyapunov_interval, cycle, lyapunov_birkhoff) {
+                Class::Chaotic => {
+                    // what makes batches of chaos too sure may not show in so few of them
+                    let independent = self.spread.independent_error(settings.periods) / period_time;
+                    // NaN where no period was looked at
+                    let error = lyapunov_error.max(independent);
+                    let stands = lyapunov > 3.0 * error;
+                    (error, if stands { Class::Chaotic } else { Class::Undecided })
+                }
+                class => (lyapunov_error, class),
+            };
         Measurement {
             status: Status::Ok,
             class: Some(class),
             lyapunov,
             lyapunov_error,
+            scheme_error: f64::NAN,
             lyapunov_second: f64::NAN,
             lyapunov_second_error: f64::NAN,
             divergence: f64::NAN,

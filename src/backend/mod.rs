@@ -9,6 +9,7 @@ mod evaluation;
 mod fallback;
 pub mod gpu;
 mod run;
+mod scheme_error;
 pub mod twins;
 mod undriven;
 
@@ -126,6 +127,10 @@ pub trait Backend {
     /// # Errors
     /// As [`Backend::load`]; and with heat or wear, whose tangent space has more dimensions.
     fn set_tangents(&mut self, tangents: &[[f64; 2]]) -> Result<(), BackendError>;
+
+    /// Begins a new run of these settings where the batch of heat or wear stands. Only their lengths and their tolerance may be
+    /// others than those it was loaded with, and it may be no longer.
+    fn begin_anew(&mut self, settings: &Settings);
 
     /// Carries the batch on by a slice. Slices of one stage come in order and without gaps.
     ///

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::cycle::{self, Candidate};
 use super::evaluation::{Ended, Growth};
-use super::{Backend, BackendError, EndState, Slice, Stage, early, fallback, undriven};
+use super::{Backend, BackendError, EndState, Slice, Stage, Sums, early, fallback, scheme_error, undriven};
 use crate::dynamics::statistics;
 use crate::experiment::{Scheme, Settings};
 use crate::measurement::{BackendKind, Measurement, Status};
@@ -16,6 +16,9 @@ use crate::parameters::{Parameter, ParameterSet};
 
 /// Longest slice, so that progress shows and a run can be cancelled.
 const LONGEST_SLICE: u32 = 16;
+
+/// Batches of the measurement that begin before this many periods are summed up period by period, for the scatter of single ones.
+const SAMPLED: u32 = 64;
 
 /// Runs a batch from its initial states to its measurements. `progress` hears after every slice how many
 /// instance-periods of a run at full length it did, and may break the run off; then None is returned.
@@ -78,8 +81,9 @@ pub fn measure_batch(
     Ok(measured.into_iter().collect())
 }
 
-/// Measures instances of constant contact pressure; what the scheme could not finish is completed.
-fn measure_constant(
+/// Measures instances of constant contact pressure; what the scheme could not finish is completed, and what it may be wrong by is
+/// part of the errors.
+pub(super) fn measure_constant(
     backend: &mut dyn Backend,
     settings: &Settings,
     instances: &[ParameterSet],
@@ -88,8 +92,11 @@ fn measure_constant(
     let Some(mut measured) = measure_lasting(backend, settings, instances, progress)? else {
         return Ok(None);
     };
-    let completed = fallback::complete(settings, instances, &mut measured, progress)?;
-    Ok(completed.map(|()| measured))
+    if fallback::complete(settings, instances, &mut measured, progress)?.is_none() {
+        return Ok(None);
+    }
+    let estimated = scheme_error::add(settings, instances, &mut measured, progress)?;
+    Ok(estimated.map(|()| measured))
 }
 
 /// Measures instances of constant contact pressure by one scheme, early if that was asked for.
@@ -169,10 +176,24 @@ pub(super) fn measure_alike(
     }
     let mut growth: Vec<Growth> = vec![Growth::default(); instances.len()];
     for batch in statistics::batches(settings.periods) {
-        if advance(backend, Stage::Measure, batch.clone())?.is_break() {
-            return Ok(None);
+        let mut sums = vec![Sums::default(); instances.len()];
+        let stride = if batch.start < SAMPLED { 1 } else { batch.len() };
+        for first in batch.clone().step_by(stride) {
+            if advance(backend, Stage::Measure, first..first + stride as u32)?.is_break() {
+                return Ok(None);
+            }
+            let part = backend.collect()?;
+            growth
+                .par_iter_mut()
+                .zip(&mut sums)
+                .zip(&part)
+                .for_each(|((growth, sums), part)| {
+                    sums.add(part);
+                    if stride == 1 {
+                        growth.sample(part);
+                    }
+                });
         }
-        let sums = backend.collect()?;
         growth
             .par_iter_mut()
             .zip(&sums)
@@ -193,7 +214,9 @@ pub(super) fn measure_alike(
             })
         })
         .collect();
-    if !instances[0].is_rubbed() && sums_all(backend, settings) {
+    if instances[0].is_rubbed() {
+        scheme_error::add_with_heat(backend, settings, instances, elapsed, &mut measured)?;
+    } else if sums_all(backend, settings) {
         measure_cycles(backend, settings, instances, &ends, &mut measured)?;
     }
     Ok(Some(measured))

@@ -157,6 +157,9 @@ mod tests {
             fn set_tangents(&mut self, tangents: &[[f64; 2]]) -> Result<(), BackendError> {
                 self.0.set_tangents(tangents)
             }
+            fn begin_anew(&mut self, settings: &Settings) {
+                self.0.begin_anew(settings);
+            }
             fn advance(&mut self, slice: &Slice) -> Result<(), BackendError> {
                 self.0.advance(slice)
             }

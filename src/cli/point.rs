@@ -2,11 +2,12 @@
 
 use clap::Args;
 use serde_json::{Map, Value, json};
+use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::dynamics::spectrum::lyapunov_spectrum;
-use tribochaos::experiment::{BackendChoice, Experiment, Request};
-use tribochaos::measurement::{Measurement, Status};
+use tribochaos::experiment::{BackendChoice, Experiment, Precision, Request, Scheme, Settings};
+use tribochaos::measurement::{Measurement, Status, is_scheme_to_blame};
 use tribochaos::parameters::Parameter;
-use tribochaos::sweep::choice;
+use tribochaos::sweep::{Backends, choice};
 
 use super::request::{self, ExperimentArgs};
 use super::{Failure, analysis, progress, report, si};
@@ -62,7 +63,11 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
         let warnings = experiment.warnings().into_iter().chain(beyond);
         say!("{:#}", object(&experiment, m, spectrum, warnings.collect()));
     } else {
-        print(&experiment, m, spectrum);
+        let by_default = match m.status {
+            Status::UnderResolved => by_default(&experiment)?,
+            Status::Ok | Status::Runaway { .. } => None,
+        };
+        print(&experiment, m, by_default.as_ref(), spectrum);
     }
     Ok(())
 }
@@ -81,6 +86,7 @@ fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>, 
         "class": m.class,
         "lyapunov": m.lyapunov,
         "lyapunov_error": m.lyapunov_error,
+        "scheme_error": m.scheme_error,
         "lyapunov_interval": m.lyapunov_interval,
         "lyapunov_second": m.lyapunov_second,
         "divergence": m.divergence,
@@ -115,7 +121,37 @@ fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>, 
     analysis::with_machine(object, experiment)
 }
 
-fn print(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) {
+/// Measures the point by the default scheme, where another one does not resolve it.
+fn by_default(experiment: &Experiment) -> Result<Option<Measurement>, Failure> {
+    if experiment.settings.scheme() == Scheme::Taylor || experiment.grid.point(0).is_rubbed() {
+        return Ok(None);
+    }
+    let settings = Settings {
+        scheme: None,
+        steps_per_period: None,
+        precision: Some(Precision::F64),
+        ..experiment.settings.clone()
+    };
+    let mut backends = Backends::new(Box::new(CpuBackend::new(Precision::F64)), None);
+    let measured = backends.measure(&experiment.grid, &settings, &[0], &mut |_| progress::until_interrupted());
+    Ok(measured.map_err(Failure::backend)?.map(|measured| measured[0]))
+}
+
+/// What is to be done where the default scheme was tried and gave this.
+fn tried(by_default: &Measurement) -> String {
+    match by_default.status {
+        Status::Ok => format!(
+            "the default scheme, tried here, gives {:.6} +- {:.6}; leave --scheme out",
+            by_default.lyapunov, by_default.lyapunov_error
+        ),
+        Status::Runaway { time } => {
+            format!("by the default scheme, tried here, it runs away at tau = {time:.3}; leave --scheme out")
+        }
+        Status::UnderResolved => "the default scheme, tried here, does not resolve it either".to_owned(),
+    }
+}
+
+fn print(experiment: &Experiment, m: &Measurement, by_default: Option<&Measurement>, spectrum: Option<[f64; 3]>) {
     for (parameter, value) in experiment.fixed_parameters() {
         say_on!("{parameter} = {value}  ");
     }
@@ -128,7 +164,8 @@ fn print(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) {
             return;
         }
         Status::UnderResolved => {
-            say!("under-resolved, nothing was measured: {}", report::remedy(settings));
+            let remedy = by_default.map_or_else(|| report::remedy(settings).to_owned(), tried);
+            say!("under-resolved, nothing was measured: {remedy}");
             return;
         }
     }
@@ -145,6 +182,12 @@ fn print(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>) {
         );
     } else {
         say!("maximal exponent    {:.6} +- {:.6}", m.lyapunov, m.lyapunov_error);
+    }
+    if is_scheme_to_blame(m.scheme_error, m.lyapunov_error) {
+        say!(
+            "                    (most of the error is the scheme's: {})",
+            report::finer(settings)
+        );
     }
     if m.is_on_limit_cycle() {
         say!("                    (the mean divergence of a limit cycle; the zero along the flow is left out)");

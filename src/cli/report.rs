@@ -7,7 +7,7 @@ use tribochaos::experiment::{Experiment, Scheme, Settings};
 use tribochaos::grid::Coordinate;
 use tribochaos::machine::units::si;
 use tribochaos::map::{OnsetKind, ParameterMap, threshold};
-use tribochaos::measurement::{Class, Quantity};
+use tribochaos::measurement::{Class, Quantity, is_scheme_to_blame};
 use tribochaos::sweep;
 use tribochaos::sweep::audit::Audit;
 use tribochaos::sweep::choice::Choice;
@@ -75,6 +75,15 @@ pub fn remedy(settings: &Settings) -> &'static str {
             "fixed steps do not resolve the motion; more --steps-per-period may, and the default scheme mostly does: leave \
              --scheme out"
         }
+    }
+}
+
+/// What makes the scheme's share in the errors smaller.
+pub fn finer(settings: &Settings) -> &'static str {
+    match settings.scheme() {
+        Scheme::Taylor => "more --steps-per-period make it smaller",
+        Scheme::Radau => "a smaller --tolerance makes it smaller",
+        Scheme::Rk4 => "more --steps-per-period make it smaller, and the default scheme has hardly any",
     }
 }
 
@@ -163,6 +172,18 @@ pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[St
         let _ = writeln!(
             text,
             "check:  sum of the exponents = mean divergence to {defect:.1e} at every resolved point"
+        );
+    }
+    let blamed = column(Quantity::SchemeError)
+        .zip(column(Quantity::LyapunovError))
+        .filter(|(scheme, error)| is_scheme_to_blame(**scheme, **error))
+        .count();
+    if blamed > 0 {
+        let _ = writeln!(
+            text,
+            "scheme: at {} points most of the exponent's error is the scheme's: {}",
+            share(blamed),
+            finer(settings)
         );
     }
     if under_resolved > 0 {

@@ -117,6 +117,10 @@ impl Backend for CpuBackend {
         self.batch().set_tangents(tangents)
     }
 
+    fn begin_anew(&mut self, settings: &Settings) {
+        self.batch().begin_anew(settings);
+    }
+
     fn advance(&mut self, slice: &Slice) -> Result<(), BackendError> {
         self.batch().advance(slice);
         Ok(())
@@ -152,6 +156,7 @@ fn batch<I: Instructions, V: Real + Send + Sync + 'static, T: Real + Send + Sync
 /// A batch of any scheme and lane type.
 trait Batch: Send {
     fn set_tangents(&mut self, tangents: &[[f64; 2]]) -> Result<(), BackendError>;
+    fn begin_anew(&mut self, settings: &Settings);
     fn advance(&mut self, slice: &Slice);
     fn collect(&mut self) -> Vec<Sums>;
     fn end_states(&self) -> Vec<EndState>;
@@ -174,6 +179,11 @@ trait Block: Send + Sync + Sized {
     /// # Errors
     /// If the tangent space has more than two dimensions.
     fn set_tangents(&mut self, tangent: impl Fn(usize) -> [f64; 2]) -> Result<(), BackendError>;
+
+    /// Changes the lengths and the tolerance of a run of heat or wear.
+    fn change(_: &mut Self::Run, _: &Settings) {
+        unreachable!("only with heat or wear a batch goes on by other settings")
+    }
 
     /// Whether the transient is [`Block::advance_plain`]'s; it is a function of its own since compilers take much longer
     /// over twice as much in one.
@@ -302,6 +312,10 @@ impl<I: Instructions, B: Block> Batch for Blocks<I, B> {
         let last = tangents.len() - 1;
         let mut blocks = self.blocks.iter_mut().zip((0..).step_by(B::INSTANCES));
         blocks.try_for_each(|(block, first)| block.set_tangents(|index| tangents[(first + index).min(last)]))
+    }
+
+    fn begin_anew(&mut self, settings: &Settings) {
+        B::change(&mut self.run, settings);
     }
 
     fn advance(&mut self, slice: &Slice) {

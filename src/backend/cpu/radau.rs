@@ -83,6 +83,11 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
         Ok(())
     }
 
+    fn change(run: &mut Run<R>, settings: &Settings) {
+        run.measuring = Measuring::new(settings);
+        run.control = Control::new(settings);
+    }
+
     #[inline(always)]
     fn advance(&mut self, run: &Run<R>, slice: &Slice) {
         let measured = slice.stage.is_measured();

@@ -199,6 +199,13 @@ impl Backend for GpuBackend {
         self.context.check()
     }
 
+    fn begin_anew(&mut self, settings: &Settings) {
+        let rubbed = self.rubbed.as_ref().filter(|_| self.is_rubbed);
+        rubbed
+            .expect("only with heat or wear a batch goes on by other settings")
+            .begin_anew(&self.context, settings);
+    }
+
     fn advance(&mut self, slice: &Slice) -> Result<(), BackendError> {
         if let Some(rubbed) = self.rubbed.as_mut().filter(|_| self.is_rubbed) {
             return rubbed.advance(&self.context, slice);

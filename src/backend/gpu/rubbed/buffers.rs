@@ -144,9 +144,7 @@ impl Buffers {
                 (Parameters::new(set, &heat), Orbit::start(set, &heat))
             })
             .unzip();
-        let run = Run::new(settings, instances.len() as u32);
-        write(context, &self.run, &[run]);
-        write(context, &self.birkhoff_weights, &birkhoff_weights(settings));
+        self.write_run(context, settings, instances.len());
         write(context, &self.parameters, &parameters);
         write(context, &self.heat_modes, &heat_modes);
         write(context, &self.orbits, &orbits);
@@ -154,6 +152,12 @@ impl Buffers {
         encoder.clear_buffer(&self.modes, 0, None);
         encoder.clear_buffer(&self.totals, 0, None);
         context.queue().submit([encoder.finish()]);
+    }
+
+    /// Writes what so many instances share of a run.
+    pub fn write_run(&self, context: &GpuContext, settings: &Settings, instances: usize) {
+        write(context, &self.run, &[Run::new(settings, instances as u32)]);
+        write(context, &self.birkhoff_weights, &birkhoff_weights(settings));
     }
 
     /// Sets what the next dispatch carries out.

@@ -75,6 +75,10 @@ impl RubbedBatch {
         })
     }
 
+    pub fn begin_anew(&self, context: &GpuContext, settings: &Settings) {
+        self.buffers.write_run(context, settings, self.instances.len());
+    }
+
     pub fn advance(&mut self, context: &GpuContext, slice: &Slice) -> Result<(), BackendError> {
         let carries_tangent = slice.stage != Stage::Transient;
         let mut pacer = self.pacers[usize::from(carries_tangent)].clone();

@@ -1,0 +1,206 @@
+//! The scheme's share in an error: exponents are measured again, from where the run ended, by a finer scheme.
+//!
+//! Owns what is compared, and what a difference means. At constant contact pressure the finer scheme is taylor in f64, whose own
+//! error is a millionth, and which costs a fraction of the others. With heat it is radau with a smaller tolerance, and only
+//! cycles are compared: of chaos so few periods tell less than its error does.
+
+use std::ops::ControlFlow;
+
+use super::cpu::CpuBackend;
+use super::run::measure_constant;
+use super::{Backend, BackendError, Slice, Stage};
+use crate::experiment::{Precision, Scheme, Settings};
+use crate::measurement::{Class, Measurement, Status};
+use crate::parameters::{Parameter, ParameterSet};
+
+/// Two exponents differ by chance by up to so many times what their errors add up to.
+const CHANCE: f64 = 2.0;
+
+/// Adds the scheme's share to the errors of instances of constant contact pressure, which were `measured` by the scheme of
+/// `settings`. None if `progress` broke it off. A class that does not stand above its error is undecided; a motion that the finer
+/// scheme cannot follow, or that runs away by it, is under-resolved.
+///
+/// # Errors
+/// If the CPU backend fails.
+pub(super) fn add(
+    settings: &Settings,
+    instances: &[ParameterSet],
+    measured: &mut [Measurement],
+    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Result<Option<()>, BackendError> {
+    if settings.scheme() == Scheme::Taylor {
+        return Ok(Some(()));
+    }
+    let (indices, begun): (Vec<usize>, Vec<ParameterSet>) = measured
+        .iter()
+        .enumerate()
+        .filter(|(_, m)| m.status == Status::Ok)
+        .map(|(index, m)| {
+            let instance = instances[index].with(Parameter::X0, m.x).with(Parameter::Y0, m.y);
+            (index, instance)
+        })
+        .unzip();
+    if indices.is_empty() {
+        return Ok(Some(()));
+    }
+    let finer = Settings {
+        scheme: Some(Scheme::Taylor),
+        steps_per_period: None,
+        precision: Some(Precision::F64),
+        period_tolerance: settings.period_tolerance,
+        max_period: settings.max_period,
+        ..Settings::default()
+    };
+    // the scheme's own run was reported as all that there is to do
+    let mut unheard = |_| progress(0);
+    let mut backend = CpuBackend::new(Precision::F64);
+    let Some(again) = measure_constant(&mut backend, &finer, &begun, &mut unheard)? else {
+        return Ok(None);
+    };
+    for (index, finer) in indices.into_iter().zip(again) {
+        measured[index] = compared(&measured[index], &finer);
+    }
+    Ok(Some(()))
+}
+
+/// The tolerance, relative to that of the run, by which cycles with heat are followed further...
+const FINER: f64 = 0.125;
+
+/// ...for so many forcing periods, in which they come to where they are by that tolerance...
+const ALIGN: u32 = 16;
+
+/// ...and so many that are measured. The cycle's periods are no more.
+const LOOK: u32 = 32;
+
+/// Adds the scheme's share to the errors of those instances of a batch with heat that have ended on a cycle, after a run of
+/// `elapsed` periods. With wear there is no error to add to.
+///
+/// # Errors
+/// If the backend fails.
+pub(super) fn add_with_heat(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    instances: &[ParameterSet],
+    elapsed: u32,
+    measured: &mut [Measurement],
+) -> Result<(), BackendError> {
+    let is_on_cycle = |m: &Measurement| m.period.is_some_and(|period| period <= LOOK.min(settings.periods));
+    if !measured.iter().any(is_on_cycle) {
+        return Ok(());
+    }
+    let look = LOOK.min(settings.periods);
+    backend.begin_anew(&Settings {
+        tolerance: FINER * settings.tolerance,
+        periods: look,
+        ..settings.clone()
+    });
+    backend.advance(&Slice {
+        stage: Stage::Align,
+        first: 0,
+        periods: ALIGN,
+        elapsed,
+    })?;
+    let mut growth = vec![Vec::new(); instances.len()];
+    for first in 0..look {
+        backend.advance(&Slice {
+            stage: Stage::Measure,
+            first,
+            periods: 1,
+            elapsed: elapsed + ALIGN + first,
+        })?;
+        for (growth, sums) in growth.iter_mut().zip(backend.collect()?) {
+            growth.push(sums.growth[0]);
+        }
+    }
+    for ((m, set), growth) in measured.iter_mut().zip(instances).zip(&growth) {
+        let Some(period) = m.period.filter(|_| is_on_cycle(m)) else {
+            continue;
+        };
+        let whole_turns = (look - look % period) as usize;
+        let finer = growth[..whole_turns].iter().sum::<f64>() / (whole_turns as f64 * set.forcing_period());
+        let share = beyond_chance([m.lyapunov, m.lyapunov_error], [finer, 0.0]);
+        m.lyapunov_error += share;
+        m.scheme_error = share;
+        m.integrated_periods += ALIGN + look;
+    }
+    Ok(())
+}
+
+/// A measurement with the scheme's share in its errors, given the finer scheme's of the same motion.
+fn compared(measured: &Measurement, finer: &Measurement) -> Measurement {
+    let integrated_periods = measured.integrated_periods + finer.integrated_periods;
+    if finer.status != Status::Ok {
+        return Measurement {
+            initial_state: measured.initial_state,
+            integrated_periods,
+            ..Measurement::unmeasured(Status::UnderResolved, measured.backend)
+        };
+    }
+    let share = beyond_chance(
+        [measured.lyapunov, measured.lyapunov_error],
+        [finer.lyapunov, finer.lyapunov_error],
+    );
+    let second = beyond_chance(
+        [measured.lyapunov_second, measured.lyapunov_second_error],
+        [finer.lyapunov_second, finer.lyapunov_second_error],
+    );
+    let measured = Measurement {
+        lyapunov_error: measured.lyapunov_error + share,
+        lyapunov_second_error: measured.lyapunov_second_error + second,
+        scheme_error: measured.scheme_error + share,
+        // another period is that of another motion
+        period: measured.period.filter(|period| finer.period.is_none_or(|finer| finer == *period)),
+        integrated_periods,
+        ..*measured
+    };
+    if finer.class == measured.class || measured.lyapunov.abs() > 3.0 * measured.lyapunov_error {
+        return measured;
+    }
+    Measurement {
+        class: Some(Class::Undecided),
+        period: None,
+        chaotic_fraction: 0.0,
+        ..measured
+    }
+}
+
+/// By how much two numbers, each with its error, differ beyond chance; NaN if either is.
+fn beyond_chance([a, a_error]: [f64; 2], [b, b_error]: [f64; 2]) -> f64 {
+    let beyond = (a - b).abs() - CHANCE * a_error.hypot(b_error);
+    // unlike max, keeps NaN
+    if beyond < 0.0 { 0.0 } else { beyond }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measurement::BackendKind;
+
+    fn orbit(class: Class, lyapunov: f64, error: f64, period: Option<u32>) -> Measurement {
+        Measurement {
+            class: Some(class),
+            lyapunov,
+            lyapunov_error: error,
+            scheme_error: 0.0,
+            period,
+            ..Measurement::unmeasured(Status::Ok, BackendKind::CpuF64)
+        }
+    }
+
+    #[test]
+    fn what_a_finer_scheme_says_otherwise_is_error_and_may_take_the_class() {
+        let cycle = orbit(Class::Regular, -0.3, 1e-6, Some(2));
+        let near = compared(&cycle, &orbit(Class::Regular, -0.31, 0.0, Some(2)));
+        assert!((near.lyapunov_error - 0.01).abs() < 2e-6, "{}", near.lyapunov_error);
+        assert_eq!((near.class, near.period), (Some(Class::Regular), Some(2)));
+        assert_eq!(near.lyapunov, -0.3);
+        let doubled = compared(&cycle, &orbit(Class::Regular, -0.01, 0.0, Some(4)));
+        assert_eq!((doubled.class, doubled.period), (Some(Class::Regular), None));
+        let chaos = orbit(Class::Chaotic, 0.1, 0.01, None);
+        assert_eq!(compared(&cycle, &chaos).class, Some(Class::Undecided));
+        let other = compared(&chaos, &orbit(Class::Chaotic, 0.12, 0.01, None));
+        assert_eq!((other.lyapunov_error, other.class), (0.01, Some(Class::Chaotic)));
+        let runaway = Measurement::runaway(3.0, BackendKind::CpuF64);
+        assert_eq!(compared(&cycle, &runaway).status, Status::UnderResolved);
+    }
+}
