@@ -482,7 +482,7 @@ fn help_names_the_defaults_that_hold() {
     let folder = TempDir::new().unwrap();
     let defaults = Settings::default();
     for (option, default) in [
-        ("modes", defaults.modes.to_string()),
+        ("modes", defaults.modes().to_string()),
         ("tolerance", format!("{:e}", defaults.tolerance)),
         ("transient-periods", defaults.transient_periods.to_string()),
         (

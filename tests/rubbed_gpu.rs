@@ -22,7 +22,7 @@ fn preset(zeta_k: f64, k_w: f64) -> ParameterSet {
 fn settings() -> Settings {
     Settings {
         scheme: Some(Scheme::Radau),
-        modes: 8,
+        modes: Some(8),
         tolerance: 1e-4,
         transient_periods: 60,
         align_periods: 30,
@@ -187,7 +187,7 @@ fn neither_the_batch_nor_the_slices_nor_what_ran_before_show_in_the_results() {
     assert_eq!(parts, all);
     // other kernels in between, of another number of modes and of another scheme
     let other = Settings {
-        modes: 3,
+        modes: Some(3),
         ..settings.clone()
     };
     measure(&mut backend, &other, &instances[..5]);
@@ -243,7 +243,10 @@ fn numbers_of_modes_beyond_the_shader_s_are_refused() {
     let Some(context) = gpu_context::open() else { return };
     let mut backend = GpuBackend::new(context);
     for modes in [0, 65] {
-        let settings = Settings { modes, ..settings() };
+        let settings = Settings {
+            modes: Some(modes),
+            ..settings()
+        };
         let error = backend.load(&settings, &[preset(3.0, 0.0)]).unwrap_err();
         assert!(matches!(error, BackendError::Unsupported(_)), "{error:?}");
         assert!(
@@ -253,7 +256,7 @@ fn numbers_of_modes_beyond_the_shader_s_are_refused() {
     }
     // many modes still work, and give what few do
     let load = Settings {
-        modes: 64,
+        modes: Some(64),
         periods: 24,
         ..settings()
     };

@@ -2,11 +2,12 @@
 //!
 //! Owns which measurements are made anew, and what is taken of them. Explicit steps are held up by stiff motion, however slow: a
 //! bush that sticks in a thin friction layer, strong damping, an escape against friction that grows with the speed. Steps of
-//! radau are as long as the motion is smooth. Radau also tells when within a period an orbit ran away; the other schemes notice
-//! it at the period's end.
+//! radau are as long as the motion is smooth. When within a period an orbit ran away is found here, too, for every scheme.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
+
+use rayon::prelude::*;
 
 use super::cpu::CpuBackend;
 use super::run::measure_lasting;
@@ -38,7 +39,7 @@ fn is_rough(measurement: &Measurement) -> bool {
 /// Completes the measurements of instances of constant contact pressure by the scheme of `settings`. None if `progress` broke
 /// it off.
 ///
-/// - Where an orbit ran away, the time is found within the period. An escape that radau does not confirm is under-resolved.
+/// - Where an orbit ran away, the time is found within the period. An escape that is not confirmed is under-resolved.
 /// - What is under-resolved, or misses the divergence by more than [`ROUGH`], is measured anew. The steps of rk4 were asked for
 ///   as they are: of its points only escapes are taken.
 ///
@@ -66,7 +67,9 @@ pub(super) fn complete(
             .collect()
     };
 
-    let escaped = with(measured, &has_escaped);
+    let escaped: Vec<usize> = (0..measured.len())
+        .filter(|&index| has_escaped(&measured[index]))
+        .collect();
     time_escapes(&mut backend, &fallback, instances, &escaped, measured)?;
 
     let given_up = with(measured, &|m| {
@@ -99,7 +102,46 @@ fn has_escaped(measurement: &Measurement) -> bool {
     matches!(measurement.status, Status::Runaway { .. })
 }
 
-/// Finds when the orbits of `escaped` ran away. Those that are followed over equally many periods go together.
+/// An orbit that ran away, and from where it is followed to when it did.
+struct Escape {
+    /// Of its measurement.
+    index: usize,
+    /// The forcing period that it is followed from, and the instance as it was then.
+    start: u32,
+    begun: ParameterSet,
+    /// Forcing periods that it is followed over.
+    periods: u32,
+}
+
+impl Escape {
+    fn new(index: usize, measured: &Measurement, set: &ParameterSet) -> Option<Self> {
+        let Status::Runaway { time } = measured.status else {
+            return None;
+        };
+        let noticed = (time / set.forcing_period()).round() as u32;
+        let (start, begun) = if noticed > MOST_ESCAPE_PERIODS {
+            let last = set.with(Parameter::X0, measured.x).with(Parameter::Y0, measured.y);
+            (noticed - 1, last)
+        } else {
+            (0, *set)
+        };
+        Some(Self {
+            index,
+            start,
+            begun,
+            periods: noticed + 1 - start,
+        })
+    }
+
+    /// The status of an orbit that ran away so long after its start.
+    fn status(&self, time: f64) -> Status {
+        Status::Runaway {
+            time: f64::from(self.start) * self.begun.forcing_period() + time,
+        }
+    }
+}
+
+/// Finds when the orbits of `escaped` ran away: by taylor in f64, step by step, and by radau where that gives up.
 fn time_escapes(
     backend: &mut CpuBackend,
     fallback: &Settings,
@@ -107,42 +149,40 @@ fn time_escapes(
     escaped: &[usize],
     measured: &mut [Measurement],
 ) -> Result<(), BackendError> {
+    let steps = Scheme::Taylor.default_steps_per_period();
+    let escapes: Vec<(Escape, Option<f64>)> = escaped
+        .par_iter()
+        .filter_map(|&index| Escape::new(index, &measured[index], &instances[index]))
+        .map(|escape| {
+            let time = escape_time(&escape.begun, steps, escape.periods);
+            (escape, time)
+        })
+        .collect();
+    // those that are followed over equally many periods go together
+    let mut left: BTreeMap<u32, Vec<Escape>> = BTreeMap::new();
+    for (escape, time) in escapes {
+        match time {
+            Some(time) => measured[escape.index].status = escape.status(time),
+            None => left.entry(escape.periods).or_default().push(escape),
+        }
+    }
     let settings = Settings {
         tolerance: ESCAPE_TOLERANCE,
         ..fallback.clone()
     };
-    let mut by_periods: BTreeMap<u32, Vec<(usize, u32, ParameterSet)>> = BTreeMap::new();
-    for &index in escaped {
-        let Measurement { status, x, y, .. } = measured[index];
-        let Status::Runaway { time } = status else {
-            continue;
-        };
-        let set = instances[index];
-        let noticed = (time / set.forcing_period()).round() as u32;
-        let (start, begun) = if noticed > MOST_ESCAPE_PERIODS {
-            (noticed - 1, set.with(Parameter::X0, x).with(Parameter::Y0, y))
-        } else {
-            (0, set)
-        };
-        let periods = noticed + 1 - start;
-        by_periods.entry(periods).or_default().push((index, start, begun));
-    }
-    by_periods
-        .into_iter()
+    left.into_iter()
         .try_for_each(|(periods, escapes)| locate(backend, &settings, periods, &escapes, measured))
 }
 
-/// Follows orbits over some periods to where they run away; one that does not is under-resolved. Of each are given its index, the
-/// period that it is followed from, and the instance as it was then.
+/// Follows orbits over some periods to where they run away, by radau; one that does not is under-resolved.
 fn locate(
     backend: &mut CpuBackend,
     settings: &Settings,
     periods: u32,
-    escapes: &[(usize, u32, ParameterSet)],
+    escapes: &[Escape],
     measured: &mut [Measurement],
 ) -> Result<(), BackendError> {
-    let instances: Vec<_> = escapes.iter().map(|escape| escape.2).collect();
-    let steps = Scheme::Taylor.default_steps_per_period();
+    let instances: Vec<_> = escapes.iter().map(|escape| escape.begun).collect();
     backend.load(settings, &instances)?;
     backend.advance(&Slice {
         stage: Stage::Transient,
@@ -150,19 +190,11 @@ fn locate(
         periods,
         elapsed: 0,
     })?;
-    for (&(index, start, set), end) in escapes.iter().zip(backend.end_states()?) {
-        measured[index].status = match end.runaway_periods {
-            Some(periods) => Status::Runaway {
-                time: (f64::from(start) + periods) * set.forcing_period(),
-            },
-            // an escape faster than the clock of radau tells is followed step by step
-            None if end.under_resolved => {
-                escape_time(&set, steps, periods).map_or(Status::UnderResolved, |time| Status::Runaway {
-                    time: f64::from(start) * set.forcing_period() + time,
-                })
-            }
-            None => Status::UnderResolved,
-        };
+    for (escape, end) in escapes.iter().zip(backend.end_states()?) {
+        let time = end
+            .runaway_periods
+            .map(|periods| periods * escape.begun.forcing_period());
+        measured[escape.index].status = time.map_or(Status::UnderResolved, |time| escape.status(time));
     }
     Ok(())
 }

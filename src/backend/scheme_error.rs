@@ -149,7 +149,9 @@ fn compared(measured: &Measurement, finer: &Measurement) -> Measurement {
         lyapunov_second_error: measured.lyapunov_second_error + second,
         scheme_error: measured.scheme_error + share,
         // another period is that of another motion
-        period: measured.period.filter(|period| finer.period.is_none_or(|finer| finer == *period)),
+        period: measured
+            .period
+            .filter(|period| finer.period.is_none_or(|finer| finer == *period)),
         integrated_periods,
         ..*measured
     };

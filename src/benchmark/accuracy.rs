@@ -67,7 +67,7 @@ impl References {
         let settings = Settings {
             scheme: Some(Scheme::Radau),
             tolerance: 1e-8,
-            modes: MAX_MODES,
+            modes: Some(MAX_MODES),
             ..Settings::default()
         };
         let exponents = |points: &[ParameterSet]| {

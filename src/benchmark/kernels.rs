@@ -49,7 +49,7 @@ impl Case {
         let settings = Settings::default();
         Settings {
             scheme: Some(self.scheme),
-            modes: self.modes.unwrap_or(settings.modes),
+            modes: self.modes.or(settings.modes),
             tolerance: self.tolerance,
             precision: Some(self.precision),
             ..settings

@@ -238,7 +238,7 @@ fn words(experiment: &Experiment, args: &HistoryArgs, periods: u32, history: &Hi
              on CPU (f64). {PROGRAM}.",
             args.samples,
             caption::scheme(settings),
-            settings.modes,
+            settings.modes(),
             settings.tolerance
         ),
     ]

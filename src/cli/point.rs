@@ -133,7 +133,9 @@ fn by_default(experiment: &Experiment) -> Result<Option<Measurement>, Failure> {
         ..experiment.settings.clone()
     };
     let mut backends = Backends::new(Box::new(CpuBackend::new(Precision::F64)), None);
-    let measured = backends.measure(&experiment.grid, &settings, &[0], &mut |_| progress::until_interrupted());
+    let measured = backends.measure(&experiment.grid, &settings, &[0], &mut |_| {
+        progress::until_interrupted()
+    });
     Ok(measured.map_err(Failure::backend)?.map(|measured| measured[0]))
 }
 

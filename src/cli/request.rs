@@ -128,7 +128,7 @@ impl ExperimentArgs {
         macro_rules! apply {
             ($($field:ident)*) => { $(if let Some(value) = self.$field { settings.$field = value; })* };
         }
-        apply!(modes tolerance transient_periods align_periods periods renormalise_every period_tolerance max_period
+        apply!(tolerance transient_periods align_periods periods renormalise_every period_tolerance max_period
                initial_states initial_box seed backend);
         if self.align_periods.is_none() {
             settings.align_periods = settings.align_periods.min(settings.transient_periods);
@@ -139,6 +139,7 @@ impl ExperimentArgs {
         }
         settings.scheme = self.scheme.or(settings.scheme);
         settings.steps_per_period = self.steps_per_period.or(settings.steps_per_period);
+        settings.modes = self.modes.or(settings.modes);
         settings.precision = self.precision.or(settings.precision);
         settings.adapter = self.adapter.clone().or(settings.adapter.take());
         Ok(())
@@ -169,7 +170,10 @@ pub fn tell_defaults(command: clap::Command, settings: &Settings, hidden: &[&'st
     let defaults = [
         ("scheme", scheme.to_owned()),
         ("steps_per_period", steps.join(", ")),
-        ("modes", settings.modes.to_string()),
+        (
+            "modes",
+            format!("{}, and more where heat is conducted slowly", settings.modes()),
+        ),
         ("tolerance", format!("{:e}", settings.tolerance)),
         ("transient_periods", settings.transient_periods.to_string()),
         (

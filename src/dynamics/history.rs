@@ -57,7 +57,7 @@ pub struct History {
 /// If `samples` is 0.
 pub fn history(parameters: &ParameterSet, settings: &Settings, shown: Range<u32>, samples: u32) -> History {
     assert!(samples > 0, "samples in a period");
-    let spectrum = ThermalModes::new(parameters[Parameter::Biot], settings.modes as usize);
+    let spectrum = ThermalModes::new(parameters[Parameter::Biot], settings.modes() as usize);
     let modes = HeatModes::new(parameters, &spectrum);
     let system = System::<f64>::new(|parameter| parameters[parameter], |_| &modes);
     let control = Control::new(settings);

@@ -109,6 +109,10 @@ impl Request {
         };
         experiment.settings = self.settings.for_model(experiment.is_rubbed())?;
         experiment.settings.check()?;
+        if experiment.settings.scheme().carries_heat() {
+            let modes = experiment.settings.modes.unwrap_or_else(|| experiment.enough_modes());
+            experiment.settings.modes = Some(modes);
+        }
         if experiment.settings.precision == Some(Precision::F32) || experiment.settings.backend == BackendChoice::Gpu {
             experiment.check_f32_anywhere()?;
         }

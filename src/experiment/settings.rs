@@ -96,8 +96,10 @@ pub struct Settings {
     /// Steps in a forcing period: by default what suits the scheme. [`Settings::steps_per_period`] resolves it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steps_per_period: Option<u32>,
-    /// Heat modes of the shaft, besides the lumped one (12).
-    pub modes: u32,
+    /// Heat modes of the shaft, besides the lumped one: by default 12, and more where heat is conducted slowly.
+    /// [`Settings::modes`] resolves it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub modes: Option<u32>,
     /// Error of a step of radau (2e-4): of v in units of 1 outside the friction layer and of its half-width inside it, of
     /// the pressure relative.
     pub tolerance: f64,
@@ -140,7 +142,7 @@ impl Default for Settings {
         Self {
             scheme: None,
             steps_per_period: None,
-            modes: 12,
+            modes: None,
             tolerance: 2e-4,
             transient_periods: 300,
             align_periods: 50,
@@ -163,6 +165,9 @@ impl Default for Settings {
     }
 }
 
+/// Heat modes where heat is conducted as fast as at the paper's preset.
+pub const USUAL_MODES: u32 = 12;
+
 /// Most heat modes: what the GPU's kernels hold.
 pub const MAX_MODES: u32 = 64;
 
@@ -179,6 +184,11 @@ impl Settings {
     pub fn steps_per_period(&self) -> u32 {
         self.steps_per_period
             .unwrap_or_else(|| self.scheme().default_steps_per_period())
+    }
+
+    /// Heat modes of the shaft, besides the lumped one. Where an experiment was resolved they are what its parameters take.
+    pub fn modes(&self) -> u32 {
+        self.modes.unwrap_or(USUAL_MODES)
     }
 
     /// The settings with the scheme and its steps written out, so that a later default changes nothing, for instances
@@ -218,7 +228,7 @@ impl Settings {
         // the clock of radau holds no longer steps in f32
         let fewest = if self.scheme() == Scheme::Radau { 16.0 } else { 8.0 };
         range("steps_per_period", self.steps_per_period().into(), fewest, 100_000.0)?;
-        range("modes", self.modes.into(), 1.0, MAX_MODES.into())?;
+        range("modes", self.modes().into(), 1.0, MAX_MODES.into())?;
         range("tolerance", self.tolerance, 1e-9, 1e-2)?;
         range("transient_periods", self.transient_periods.into(), 0.0, 1e7)?;
         range(

@@ -429,7 +429,7 @@ fn words(at: &ParameterSet, varied: &[Parameter], id: &str, numerics: &str) -> V
             "{numerics}Biot number, ω̃ and the initial state are not in the paper, and reconstructed. {}, {} heat modes, {}. As \
              figure {id} of Awrejcewicz and Pyryev (2006). {PROGRAM}.",
             caption::scheme(&settings),
-            settings.modes,
+            settings.modes(),
             caption::integrated_on([BackendKind::CpuF64].into_iter())
         ),
     ]

@@ -25,7 +25,7 @@ fn points([low, high]: [f64; 2], k_w: f64) -> Vec<ParameterSet> {
 /// The measurements with wear over 40 periods, and without over 200 + 100.
 fn measure(zeta_k: [f64; 2], precision: Precision, modes: u32, tolerance: f64) -> [Vec<Measurement>; 2] {
     let settings = Settings {
-        modes,
+        modes: Some(modes),
         tolerance,
         transient_periods: 200,
         periods: 100,

@@ -162,7 +162,7 @@ fn the_modes_agree_with_finite_volumes_and_with_the_volterra_integral() {
     let set = paper(3.9);
     let case: Case = preset(3.9);
     let settings = Settings {
-        modes: 24,
+        modes: Some(24),
         tolerance: 1e-6,
         ..Settings::default()
     };
@@ -190,7 +190,7 @@ fn modes_and_tolerance_converge() {
     let instances = [paper(3.9), paper(3.5).with(Parameter::KW, 0.0)];
     let with = |modes, tolerance| {
         let settings = Settings {
-            modes,
+            modes: Some(modes),
             tolerance,
             transient_periods: 40,
             align_periods: 10,

@@ -47,7 +47,7 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
             spectra: instances
                 .iter()
                 .any(ParameterSet::is_rubbed)
-                .then(|| Spectra::new(instances, settings.modes as usize)),
+                .then(|| Spectra::new(instances, settings.modes() as usize)),
         }
     }
 

@@ -172,7 +172,7 @@ impl Backend for GpuBackend {
     fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
         self.is_rubbed = settings.scheme() == Scheme::Radau;
         if self.is_rubbed {
-            self.check_batch(instances, rubbed::largest_share(settings, settings.modes))?;
+            self.check_batch(instances, rubbed::largest_share(settings, settings.modes()))?;
             let before = self.rubbed.take();
             self.rubbed = Some(RubbedBatch::new(&self.context, before, self.load, settings, instances)?);
             return Ok(());

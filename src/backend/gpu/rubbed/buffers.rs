@@ -115,7 +115,7 @@ impl Buffers {
 
     /// Whether a batch fits.
     pub fn hold(&self, instances: usize, settings: &Settings) -> bool {
-        let kernels_fit = self.modes_each == settings.modes;
+        let kernels_fit = self.modes_each == settings.modes();
         let states_fit = self.states >= last_states_size(settings);
         self.instances >= instances && kernels_fit && self.periods >= settings.periods && states_fit
     }
@@ -127,9 +127,9 @@ impl Buffers {
     /// Writes a batch at the beginning of its run. The stroboscope's memory needs no clearing: it reads only what it
     /// has written.
     pub fn fill(&self, context: &GpuContext, settings: &Settings, instances: &[ParameterSet]) {
-        let slots = layout::slots(settings.modes);
+        let slots = layout::slots(settings.modes());
         let mut heat_modes = vec![HeatMode { rate: 0.0, weight: 0.0 }; slots * instances.len()];
-        let spectra = Spectra::new(instances, settings.modes as usize);
+        let spectra = Spectra::new(instances, settings.modes() as usize);
         let (parameters, orbits): (Vec<_>, Vec<_>) = instances
             .iter()
             .enumerate()

@@ -49,9 +49,9 @@ impl RubbedBatch {
     ) -> Result<Self, BackendError> {
         check_modes(settings)?;
         let (pipelines, buffers) = before.map(|batch| (batch.pipelines, batch.buffers)).unzip();
-        let pipelines = match pipelines.filter(|pipelines: &Pipelines| pipelines.modes() == settings.modes) {
+        let pipelines = match pipelines.filter(|pipelines: &Pipelines| pipelines.modes() == settings.modes()) {
             Some(pipelines) => pipelines,
-            None => Pipelines::new(context, settings.modes)?,
+            None => Pipelines::new(context, settings.modes())?,
         };
         let buffers = match buffers.filter(|buffers: &Buffers| buffers.hold(instances.len(), settings)) {
             Some(buffers) => buffers,
@@ -124,11 +124,11 @@ pub fn largest_share(settings: &Settings, modes: u32) -> u64 {
 
 /// The kernels hold the modes of a thread in arrays of fixed length.
 fn check_modes(settings: &Settings) -> Result<(), BackendError> {
-    if (1..=MAX_MODES).contains(&settings.modes) {
+    if (1..=MAX_MODES).contains(&settings.modes()) {
         return Ok(());
     }
     Err(BackendError::Unsupported(format!(
         "{} heat modes are not from 1 to the {MAX_MODES} that the GPU's kernels hold: set --modes",
-        settings.modes
+        settings.modes()
     )))
 }
