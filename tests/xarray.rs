@@ -77,6 +77,22 @@ fn xarray_opens_the_store() {
     check("xarray_opens.py", &path);
 }
 
+#[test]
+fn xarray_selects_by_decimals() {
+    if !has_xarray() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("decimals.zarr");
+    let experiment = Request {
+        x: Axis::parse("zeta_k=3:5:201").unwrap(),
+        y: Axis::parse("h1=0:1.5:301").unwrap(),
+        ..Request::default()
+    };
+    MapStore::create(&path, &experiment.resolve().unwrap(), [301, 201]).unwrap();
+    check("xarray_selects.py", &path);
+}
+
 /// Known to `xarray_opens.py`: the exponent tells the point's index; the last point ran away.
 fn measurement(index: usize) -> Measurement {
     if index == 34 {

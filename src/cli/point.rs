@@ -3,7 +3,7 @@
 use clap::Args;
 use serde_json::{Map, Value, json};
 use tribochaos::backend::cpu::CpuBackend;
-use tribochaos::dynamics::spectrum::lyapunov_spectrum;
+use tribochaos::dynamics::spectrum::{Spectrum, lyapunov_spectrum};
 use tribochaos::experiment::{BackendChoice, Experiment, Precision, Request, Scheme, Settings};
 use tribochaos::measurement::{Measurement, Status, is_scheme_to_blame};
 use tribochaos::parameters::Parameter;
@@ -61,18 +61,18 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
     }
     if args.json {
         let warnings = experiment.warnings().into_iter().chain(beyond);
-        say!("{:#}", object(&experiment, m, spectrum, warnings.collect()));
+        say!("{:#}", object(&experiment, m, spectrum.as_ref(), warnings.collect()));
     } else {
         let by_default = match m.status {
             Status::UnderResolved => by_default(&experiment)?,
             Status::Ok | Status::Runaway { .. } => None,
         };
-        print(&experiment, m, by_default.as_ref(), spectrum);
+        print(&experiment, m, by_default.as_ref(), spectrum.as_ref());
     }
     Ok(())
 }
 
-fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>, warnings: Vec<String>) -> Value {
+fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<&Spectrum>, warnings: Vec<String>) -> Value {
     let parameters: Map<String, Value> = experiment
         .fixed_parameters()
         .map(|(parameter, value)| (parameter.name().to_owned(), value.into()))
@@ -103,7 +103,8 @@ fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<[f64; 3]>, 
         "peak_temperature": m.contact.peak_temperature,
     });
     if let Some(spectrum) = spectrum {
-        object["gram_schmidt_spectrum"] = json!(spectrum);
+        object["gram_schmidt_spectrum"] = json!(spectrum.exponents);
+        object["gram_schmidt_errors"] = json!(spectrum.errors);
     }
     if let Status::Runaway { time } = m.status {
         object["runaway_time"] = time.into();
@@ -153,7 +154,7 @@ fn tried(by_default: &Measurement) -> String {
     }
 }
 
-fn print(experiment: &Experiment, m: &Measurement, by_default: Option<&Measurement>, spectrum: Option<[f64; 3]>) {
+fn print(experiment: &Experiment, m: &Measurement, by_default: Option<&Measurement>, spectrum: Option<&Spectrum>) {
     for (parameter, value) in experiment.fixed_parameters() {
         say_on!("{parameter} = {value}  ");
     }
@@ -201,9 +202,13 @@ fn print(experiment: &Experiment, m: &Measurement, by_default: Option<&Measureme
             m.divergence_defect()
         );
     }
-    if let Some([first, second, third]) = spectrum {
+    if let Some(Spectrum { exponents, errors }) = spectrum {
+        let exponents = std::array::from_fn::<_, 3, _>(|n| format!("{:.6} +- {:.6}", exponents[n], errors[n]));
         say!(
-            "by Gram-Schmidt     {first:.6} {second:.6} {third:.6}  (the paper's procedure, its own run over as many periods)"
+            "by Gram-Schmidt     {}  (the paper's procedure, in its own run: {} periods after {})",
+            exponents.join(", "),
+            settings.periods,
+            settings.transient_periods
         );
     }
     say!(

@@ -7,13 +7,22 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::statistics;
 use crate::experiment::{Scheme, Settings};
 use crate::model::motion::Motion;
 use crate::parameters::{Parameter, ParameterSet};
 
-/// The three exponents in the paper's order, per unit of tau: the larger and the smaller of the two non-trivial ones,
-/// and the one along the flow, which is 0. None if the orbit runs away.
-pub fn lyapunov_spectrum(parameters: &ParameterSet, settings: &Settings) -> Option<[f64; 3]> {
+/// Exponents in the paper's order: the larger and the smaller of the two non-trivial ones, and the one along the flow, which is 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spectrum {
+    /// Per unit of tau.
+    pub exponents: [f64; 3],
+    /// Their standard errors, by batch means.
+    pub errors: [f64; 3],
+}
+
+/// The spectrum over the measured periods of the settings, after their transient. None if the orbit runs away.
+pub fn lyapunov_spectrum(parameters: &ParameterSet, settings: &Settings) -> Option<Spectrum> {
     let orbit = Orbit::new(parameters, settings);
     let mut state = Vector3::new(parameters[Parameter::X0], parameters[Parameter::Y0], 0.0);
     let mut basis = Matrix3::identity();
@@ -23,15 +32,27 @@ pub fn lyapunov_spectrum(parameters: &ParameterSet, settings: &Settings) -> Opti
     for _ in 0..settings.align_periods {
         orbit.period(&mut state, &mut basis);
     }
-    let mut growth = Vector3::zeros();
-    for _ in 0..settings.periods {
-        growth += orbit.period(&mut state, &mut basis);
-    }
-    let exponents = growth / (f64::from(settings.periods) * TAU / parameters[Parameter::Omega0]);
-    exponents
-        .iter()
-        .all(|exponent| exponent.is_finite())
-        .then(|| exponents.into())
+    // length in periods, and growth of each vector
+    let batches: Vec<(f64, Vector3<f64>)> = statistics::batches(settings.periods)
+        .into_iter()
+        .map(|batch| {
+            let length = batch.len() as f64;
+            let growth = batch.map(|_| orbit.period(&mut state, &mut basis)).sum();
+            (length, growth)
+        })
+        .collect();
+    let period_time = TAU / parameters[Parameter::Omega0];
+    let growth: Vector3<f64> = batches.iter().map(|(_, growth)| growth).sum();
+    let exponents = growth / (f64::from(settings.periods) * period_time);
+    let error = |n: usize| {
+        let of_vector: Vec<_> = batches.iter().map(|(length, growth)| (*length, growth[n])).collect();
+        statistics::standard_error(&of_vector) / period_time
+    };
+    let is_finite = exponents.iter().all(|exponent| exponent.is_finite());
+    is_finite.then(|| Spectrum {
+        exponents: exponents.into(),
+        errors: std::array::from_fn(error),
+    })
 }
 
 /// Steps in a forcing period that bring this scheme, which crosses the friction layer blindly, to about 1e-4 of the others.

@@ -382,7 +382,7 @@ fn trivial_exponent(effort: Effort) -> Row {
             let point = from(&damped(0.5).parameters().with(Parameter::ZetaK, zeta_k), START);
             lyapunov_spectrum(&point, &settings)
         })
-        .map(|[_, _, third]| third.abs())
+        .map(|spectrum| spectrum.exponents[2].abs())
         .fold(0.0, f64::max);
     Row::new(
         "one exponent is always zero: greatest of its absolute values at five zeta_k, h1 = 0.5",

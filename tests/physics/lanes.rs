@@ -55,7 +55,7 @@ fn every_instruction_set_and_precision_agrees_with_the_scalar_reference_on_regul
     let references: Vec<[f64; 2]> = points
         .iter()
         .map(|p| {
-            let [first, second, _] = lyapunov_spectrum(p, &settings).expect("bounded");
+            let [first, second, _] = lyapunov_spectrum(p, &settings).expect("bounded").exponents;
             statistics::exponents([first, second])
         })
         .collect();
