@@ -174,18 +174,14 @@ impl Growth {
             growth_rate: self.over_last(stroboscope::span_of(period, window)).rate() / period_time,
         });
         let lyapunov_interval = f64::from(settings.periods) * period_time;
-        let (lyapunov_error, class) =
-            match Class::of(lyapunov, lyapunov_error, lyapunov_interval, cycle, lyapunov_birkhoff) {
-                Class::Chaotic => {
-                    // what makes batches of chaos too sure may not show in so few of them
-                    let independent = self.spread.independent_error(settings.periods) / period_time;
-                    // NaN where no period was looked at
-                    let error = lyapunov_error.max(independent);
-                    let stands = lyapunov > 3.0 * error;
-                    (error, if stands { Class::Chaotic } else { Class::Undecided })
-                }
-                class => (lyapunov_error, class),
-            };
+        let class = Class::of(lyapunov, lyapunov_error, lyapunov_interval, cycle, lyapunov_birkhoff);
+        // Of chaos in bands a run may see no slip from their order. The batch means are then as sure that it is chaos as they would
+        // be of any, but too sure of how strong it is. NaN where no single period was looked at.
+        let independent = self.spread.independent_error(settings.periods) / period_time;
+        let lyapunov_error = match class {
+            Class::Chaotic => lyapunov_error.max(independent),
+            _ => lyapunov_error,
+        };
         Measurement {
             status: Status::Ok,
             class: Some(class),

@@ -5,7 +5,7 @@ use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::{Backend, Slice, Stage};
 use tribochaos::dynamics::reference::ReferenceOrbit;
 use tribochaos::experiment::{Precision, Request, Scheme, Settings};
-use tribochaos::measurement::{Class, Measurement};
+use tribochaos::measurement::{Class, Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 use crate::common::{PRECISIONS, from_state, measure};
@@ -195,27 +195,38 @@ fn the_error_claimed_for_intermittent_chaos_covers_a_longer_run() {
         ..full_length()
     };
     let long = measure(Precision::F64, &long, &points);
-    let short = measure(Precision::F64, &Settings::default(), &points);
-    let pairs: Vec<_> = short
-        .iter()
-        .zip(&long)
-        .filter(|(s, l)| [s, l].iter().all(|m| m.class == Some(Class::Chaotic)))
-        .collect();
-    let covered = pairs
-        .iter()
-        .filter(|(s, l)| (s.lyapunov - l.lyapunov).abs() < 2.0 * s.lyapunov_error.hypot(l.lyapunov_error))
-        .count();
-    let mean = |of: fn(&(&Measurement, &Measurement)) -> f64| pairs.iter().map(of).sum::<f64>() / pairs.len() as f64;
-    let bias = mean(|(s, _)| s.lyapunov) / mean(|(_, l)| l.lyapunov) - 1.0;
-    let early = pairs.iter().filter(|(s, _)| is_decided_early(s)).count();
-    let share = covered as f64 / pairs.len() as f64;
-    println!("{covered} of {}, {early} early, bias {bias:.4}", pairs.len());
-    assert!(
-        pairs.len() > 1000 && (0.92..1.0).contains(&share),
-        "{covered} of {}",
-        pairs.len()
-    );
-    assert!(bias.abs() < 0.08 && 25 * early < pairs.len(), "{bias} {early}");
+    for settings in [Settings::default(), full_length()] {
+        let short = measure(Precision::F64, &settings, &points);
+        // those with a low mean are undecided: of the chaotic ones alone the mean is 5 % too high
+        let pairs: Vec<_> = short
+            .iter()
+            .zip(&long)
+            .filter(|(s, l)| {
+                s.status == Status::Ok && l.class == Some(Class::Chaotic) && s.class != Some(Class::Regular)
+            })
+            .collect();
+        let mean =
+            |of: fn(&(&Measurement, &Measurement)) -> f64| pairs.iter().map(of).sum::<f64>() / pairs.len() as f64;
+        let bias = mean(|(s, _)| s.lyapunov) / mean(|(_, l)| l.lyapunov) - 1.0;
+        let early = pairs.iter().filter(|(s, _)| is_decided_early(s)).count();
+        let chaotic: Vec<_> = pairs.iter().filter(|(s, _)| s.class == Some(Class::Chaotic)).collect();
+        let covered = chaotic
+            .iter()
+            .filter(|(s, l)| (s.lyapunov - l.lyapunov).abs() < 2.0 * s.lyapunov_error.hypot(l.lyapunov_error))
+            .count();
+        let share = covered as f64 / chaotic.len() as f64;
+        println!(
+            "{covered} of {} chaotic of {}, {early} early, bias {bias:.4}",
+            chaotic.len(),
+            pairs.len()
+        );
+        assert!(
+            chaotic.len() > 1000 && (0.92..0.98).contains(&share),
+            "{covered} of {}",
+            chaotic.len()
+        );
+        assert!(bias.abs() < 0.03 && 25 * early < pairs.len(), "{bias} {early}");
+    }
 }
 
 #[test]

@@ -241,7 +241,10 @@ fn the_full_spectrum_is_the_two_exponents_of_the_lanes_and_zero() {
         let spectrum = lyapunov_spectrum(p, &settings).expect("bounded");
         let [first, second, along_the_flow] = spectrum.exponents;
         // both ran over as many periods of the same motion, from other rounding errors
-        assert!((0.3..3.0).contains(&(spectrum.errors[0] / m.lyapunov_error)), "{m:?}, {spectrum:?}");
+        assert!(
+            (0.3..3.0).contains(&(spectrum.errors[0] / m.lyapunov_error)),
+            "{m:?}, {spectrum:?}"
+        );
         let error = 3.0 * std::f64::consts::SQRT_2 * m.lyapunov_error;
         assert!((m.lyapunov - first).abs() < error, "{m:?}, {first}");
         assert!((m.lyapunov_second - second).abs() < error, "{m:?}, {second}");
