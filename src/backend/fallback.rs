@@ -1,4 +1,4 @@
-//! What a scheme could not finish, by the one that can: radau in f64, on the CPU.
+//! What a scheme could not finish, by the ones that can: taylor in f64, and radau in f64 for what that gives up, on the CPU.
 //!
 //! Owns which measurements are made anew, and what is taken of them. Explicit steps are held up by stiff motion, however slow: a
 //! bush that sticks in a thin friction layer, strong damping, an escape against friction that grows with the speed. Steps of
@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 
 use super::cpu::CpuBackend;
-use super::run::measure_lasting;
+use super::run::{measure_constant, measure_lasting};
 use super::{Backend, BackendError, Slice, Stage};
 use crate::dynamics::taylor::escape::escape_time;
 use crate::experiment::{Precision, Scheme, Settings};
@@ -32,58 +32,61 @@ const MOST_ESCAPE_PERIODS: u32 = 512;
 const ROUGH: f64 = 5e-5;
 
 fn is_rough(measurement: &Measurement) -> bool {
-    measurement.backend == BackendKind::CpuF64
-        && measurement.divergence_defect().abs() > ROUGH * (1.0 + measurement.divergence.abs())
+    measurement.divergence_defect().abs() > ROUGH * (1.0 + measurement.divergence.abs())
 }
 
-/// Completes the measurements of instances of constant contact pressure by the scheme of `settings`. None if `progress` broke
-/// it off.
+/// Completes the measurements of instances of constant contact pressure by the scheme of `settings` on a backend of this `kind`. None
+/// if `progress` broke it off.
 ///
 /// - Where an orbit ran away, the time is found within the period. An escape that is not confirmed is under-resolved.
-/// - What is under-resolved, or misses the divergence by more than [`ROUGH`], is measured anew. The steps of rk4 were asked for
-///   as they are: of its points only escapes are taken.
+/// - What taylor in f64 gives up, or by which it misses the divergence by more than [`ROUGH`], is measured anew by radau.
+/// - What another scheme or number type gives up is measured anew by taylor in f64. The steps of rk4 and the tolerance of radau
+///   in f64 were asked for as they are: of their points only escapes are taken.
 ///
 /// # Errors
 /// If the CPU backend fails.
 pub(super) fn complete(
     settings: &Settings,
+    kind: BackendKind,
     instances: &[ParameterSet],
     measured: &mut [Measurement],
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<()>, BackendError> {
     let mut backend = CpuBackend::new(Precision::F64);
-    let fallback = Settings {
-        scheme: Some(Scheme::Radau),
+    let by = |scheme| Settings {
+        scheme: Some(scheme),
         steps_per_period: None,
         tolerance: settings.tolerance.min(TOLERANCE),
         precision: Some(Precision::F64),
         ..settings.clone()
     };
-    let scheme = settings.scheme();
-    let is_by_fallback = |m: &Measurement| scheme == Scheme::Radau && m.backend == BackendKind::CpuF64;
     let with = |measured: &[Measurement], wanted: &dyn Fn(&Measurement) -> bool| -> Vec<usize> {
-        (0..measured.len())
-            .filter(|&index| wanted(&measured[index]) && !is_by_fallback(&measured[index]))
-            .collect()
+        (0..measured.len()).filter(|&index| wanted(&measured[index])).collect()
     };
 
-    let escaped: Vec<usize> = (0..measured.len())
-        .filter(|&index| has_escaped(&measured[index]))
-        .collect();
-    time_escapes(&mut backend, &fallback, instances, &escaped, measured)?;
+    let escaped = with(measured, &has_escaped);
+    time_escapes(&mut backend, &by(Scheme::Radau), instances, &escaped, measured)?;
 
+    let scheme = settings.scheme();
+    let is_by_default = scheme == Scheme::Taylor && kind == BackendKind::CpuF64;
     let given_up = with(measured, &|m| {
-        m.status == Status::UnderResolved || (scheme == Scheme::Taylor && is_rough(m))
+        m.status == Status::UnderResolved || (is_by_default && is_rough(m))
     });
-    let chosen: Vec<_> = given_up.iter().map(|&index| instances[index]).collect();
-    if !chosen.is_empty() {
+    if !given_up.is_empty() {
+        let chosen: Vec<_> = given_up.iter().map(|&index| instances[index]).collect();
         // they were reported as done before
         let mut unheard = |_| progress(0);
-        let Some(anew) = measure_lasting(&mut backend, &fallback, &chosen, &mut unheard)? else {
+        let anew = if is_by_default {
+            measure_lasting(&mut backend, &by(Scheme::Radau), &chosen, &mut unheard)?
+        } else {
+            measure_constant(&mut backend, &by(Scheme::Taylor), &chosen, &mut unheard)?
+        };
+        let Some(anew) = anew else {
             return Ok(None);
         };
+        let is_as_asked = scheme == Scheme::Rk4 || (scheme == Scheme::Radau && kind == BackendKind::CpuF64);
         for (&index, anew) in given_up.iter().zip(anew) {
-            if scheme != Scheme::Rk4 || has_escaped(&anew) {
+            if !is_as_asked || has_escaped(&anew) {
                 measured[index] = Measurement {
                     integrated_periods: anew.integrated_periods + measured[index].integrated_periods,
                     ..anew

@@ -92,7 +92,7 @@ pub(super) fn measure_constant(
     let Some(mut measured) = measure_lasting(backend, settings, instances, progress)? else {
         return Ok(None);
     };
-    if fallback::complete(settings, instances, &mut measured, progress)?.is_none() {
+    if fallback::complete(settings, backend.kind(), instances, &mut measured, progress)?.is_none() {
         return Ok(None);
     }
     let estimated = scheme_error::add(settings, instances, &mut measured, progress)?;
