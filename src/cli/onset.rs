@@ -8,9 +8,10 @@ use tribochaos::experiment::{Experiment, Settings};
 use tribochaos::grid::{Axis, Grid};
 use tribochaos::machine::units::si;
 use tribochaos::output::{caption, charts};
-use tribochaos::sweep::{Backends, Event};
+use tribochaos::sweep::{self, Backends};
 
-use super::{Failure, progress};
+use super::Failure;
+use super::progress::Progress;
 
 /// What is searched for chaos, checked.
 pub struct Search {
@@ -100,8 +101,11 @@ impl Search {
             axis: self.fine,
             starts,
         };
+        // what lies between onset and end is left out, and chaos confirmed besides
+        let points = self.fine.count * starts.len();
+        let bar = Progress::new(sweep::instance_periods(&self.definition.settings, points), points);
         let mut first = |way| {
-            let observer = &mut |_: Event<'_>| progress::until_interrupted();
+            let observer = &mut |event: sweep::Event<'_>| bar.hear(event);
             scan.first(way, backends, observer).map_err(Failure::backend)
         };
         let Some(up) = first(Way::Up)? else { return Ok(None) };
