@@ -230,6 +230,7 @@ fn motions(map: &ParameterMap) -> Vec<Motion> {
 
 fn changes(map: &ParameterMap, motions: &[Motion]) -> Vec<Change> {
     let axes = [map.x_axis(), map.y_axis()];
+    let values = axes.map(Axis::values);
     let mut changes = Vec::new();
     for along in [0, 1] {
         let (axis, other) = (axes[along], axes[1 - along]);
@@ -254,12 +255,12 @@ fn changes(map: &ParameterMap, motions: &[Motion]) -> Vec<Change> {
                         continue;
                     }
                 };
-                let value = axis.value(here);
+                let value = values[along][here];
                 if let Some((before, was_chaos)) = last
                     && was_chaos != begins
                 {
                     let mut place = [0.5 * (before + value); 2];
-                    place[1 - along] = other.value(line);
+                    place[1 - along] = values[1 - along][line];
                     changes.push(Change {
                         along,
                         place,
