@@ -10,7 +10,7 @@
 //! - [`experiment`], [`dynamics`]: what is computed, and the algorithms over the physics;
 //! - [`measurement`]: what is measured of a point, and the classes of motion;
 //! - [`backend`]: batches of instances on the CPU or a GPU;
-//! - [`map`]: measurements over two axes, and the threshold of chaos;
+//! - [`map`]: measurements over two axes, and the border of chaos;
 //! - [`benchmark`]: points to time kernels on, and how exact they are;
 //! - [`sweep`]: from a grid to measurements, and the audit of maps;
 //! - [`analysis`]: orbits, bifurcation diagrams, sections, exponents over a line, thresholds;

@@ -8,6 +8,7 @@ use crate::experiment::Experiment;
 use crate::grid::Axis;
 use crate::machine::Beyond;
 use crate::measurement::{BackendKind, Class, Measurement, QUANTITIES, Quantity};
+use crate::parameters::Parameter;
 
 /// Values of every quantity at every point of a two-dimensional grid; x varies fastest.
 #[derive(Clone, Debug)]
@@ -150,67 +151,197 @@ fn code(value: f64) -> Option<usize> {
     (!value.is_nan()).then_some(value as usize)
 }
 
-/// The first upward change to chaos along a row.
+/// A change between chaos and motion that is regular or quasi-periodic, from a point of a row or a column to the next that is
+/// decided.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Onset {
-    /// The row's value on the y axis.
-    pub y: f64,
-    pub kind: OnsetKind,
+pub struct Change {
+    /// The axis along which the two points lie: 0 for x, 1 for y.
+    pub along: usize,
+    /// The middle between the two points, (x, y).
+    pub place: [f64; 2],
+    /// Half of their distance.
+    pub half_width: f64,
+    /// Whether chaos begins where the axis' coordinate rises, whichever way the axis runs; else it ends.
+    pub begins: bool,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum OnsetKind {
-    /// Chaos begins at `x`, give or take `half_width`: between the last point that is decided and not chaotic, and the
-    /// first chaotic one.
-    At { x: f64, half_width: f64 },
-    /// Chaotic at the row's first decided point: the onset lies outside the map.
-    BeforeFirst,
-    /// No point of the row is chaotic.
-    Never,
-    /// Not every point up to the onset is computed.
-    Incomplete,
+/// Whether the chaos of a map has a border: not where points have no class, since the contact wears everywhere, nor where an
+/// axis is an initial state, which tells attractors apart, not parameters.
+pub fn has_border(experiment: &Experiment) -> bool {
+    let is_initial = |axis: &Axis| [Parameter::X0.into(), Parameter::Y0.into()].contains(&axis.coordinate);
+    !experiment.grid.axes.iter().any(is_initial) && experiment.extent(Parameter::KW).0 == 0.0
 }
 
-/// The threshold of chaos: for every row, where x rises (whichever way its axis runs), the first change from motion
-/// that is not chaotic to chaos. Undecided and runaway points inside the bracket widen it.
-pub fn threshold(map: &ParameterMap) -> Vec<Onset> {
-    let (x_axis, y_axis) = (map.x_axis(), map.y_axis());
-    let mut order: Vec<usize> = (0..x_axis.count).collect();
-    if x_axis.step() < 0.0 {
-        order.reverse();
+/// The border of chaos: all changes along rows, then all along columns. Points between the two of a change, that are undecided
+/// or unstable, ran away or are under-resolved, make its bracket wider; across points that are not computed there is none.
+/// Empty for a map without a border.
+pub fn border(map: &ParameterMap) -> Vec<Change> {
+    if !has_border(&map.experiment) {
+        return Vec::new();
     }
-    (0..y_axis.count)
-        .map(|row| Onset {
-            y: y_axis.value(row),
-            kind: onset_of_row(map, row, &order),
-        })
-        .collect()
+    changes(map, &motions(map))
 }
 
-fn onset_of_row(map: &ParameterMap, row: usize, columns: &[usize]) -> OnsetKind {
-    let axis = map.x_axis();
-    let mut last_other = None;
-    for &column in columns {
-        let index = row * axis.count + column;
-        if !map.is_computed(index) {
-            return OnsetKind::Incomplete;
+/// The border as it is drawn, so that it can be followed: between regions of at least [`least_region`] points, where open
+/// points that are no more than [`CLOSED`] points from decided ones count as most of their neighbours.
+pub fn drawn_border(map: &ParameterMap) -> Vec<Change> {
+    if !has_border(&map.experiment) {
+        return Vec::new();
+    }
+    let columns = map.x_axis().count;
+    let mut motions = motions(map);
+    close(&mut motions, columns);
+    // islands first, so that where chaos and gaps are both in crumbs there is no chaos
+    for region in [Motion::Chaos, Motion::Order] {
+        fill_small(&mut motions, region, columns, least_region(map));
+    }
+    changes(map, &motions)
+}
+
+/// How far what is decided reaches into what is not, in points, where the border is drawn.
+pub const CLOSED: usize = 2;
+
+/// The least points of an island of chaos, and of a gap in it, whose border is drawn: a 4000th of the map, which is a square of 12
+/// pixels in a picture of the usual size.
+pub fn least_region(map: &ParameterMap) -> usize {
+    map.experiment.grid.len().div_ceil(4000)
+}
+
+/// What the border tells apart.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Motion {
+    Chaos,
+    /// Regular or quasi-periodic.
+    Order,
+    /// Neither is known, or neither is the case.
+    Open,
+    NotComputed,
+}
+
+fn motions(map: &ParameterMap) -> Vec<Motion> {
+    let motion = |index| match map.class(index) {
+        _ if !map.is_computed(index) => Motion::NotComputed,
+        Some(Class::Chaotic) => Motion::Chaos,
+        Some(Class::Regular | Class::QuasiPeriodic) => Motion::Order,
+        Some(Class::Undecided | Class::Unstable) | None => Motion::Open,
+    };
+    (0..map.experiment.grid.len()).map(motion).collect()
+}
+
+fn changes(map: &ParameterMap, motions: &[Motion]) -> Vec<Change> {
+    let axes = [map.x_axis(), map.y_axis()];
+    let values = axes.map(Axis::values);
+    let mut changes = Vec::new();
+    for along in [0, 1] {
+        let (axis, other) = (axes[along], axes[1 - along]);
+        let mut order: Vec<usize> = (0..axis.count).collect();
+        if axis.step() < 0.0 {
+            order.reverse();
         }
-        match map.class(index) {
-            Some(Class::Chaotic) => {
-                let Some(before) = last_other else {
-                    return OnsetKind::BeforeFirst;
+        for line in 0..other.count {
+            let mut last = None;
+            for &here in &order {
+                let index = if along == 0 {
+                    line * axis.count + here
+                } else {
+                    here * other.count + line
                 };
-                let (low, high) = (axis.value(before), axis.value(column));
-                return OnsetKind::At {
-                    x: 0.5 * (low + high),
-                    half_width: 0.5 * (high - low).abs(),
+                let begins = match motions[index] {
+                    Motion::Chaos => true,
+                    Motion::Order => false,
+                    Motion::Open => continue,
+                    Motion::NotComputed => {
+                        last = None;
+                        continue;
+                    }
                 };
+                let value = values[along][here];
+                if let Some((before, was_chaos)) = last
+                    && was_chaos != begins
+                {
+                    let mut place = [0.5 * (before + value); 2];
+                    place[1 - along] = values[1 - along][line];
+                    changes.push(Change {
+                        along,
+                        place,
+                        half_width: 0.5 * (value - before),
+                        begins,
+                    });
+                }
+                last = Some((value, begins));
             }
-            Some(Class::Regular | Class::QuasiPeriodic) => last_other = Some(column),
-            Some(Class::Undecided | Class::Unstable) | None => {}
         }
     }
-    OnsetKind::Never
+    changes
+}
+
+/// The points above, below and to the sides.
+fn neighbours(index: usize, columns: usize, points: usize) -> impl Iterator<Item = usize> {
+    let column = index % columns;
+    let all = [
+        (column > 0).then(|| index - 1),
+        (column + 1 < columns).then_some(index + 1),
+        index.checked_sub(columns),
+        Some(index + columns).filter(|&next| next < points),
+    ];
+    all.into_iter().flatten()
+}
+
+/// Gives open points what most of their decided neighbours are, no chaos where there are as many of both, point by point into the
+/// open; beyond [`CLOSED`] points they part what is on either side.
+fn close(motions: &mut [Motion], columns: usize) {
+    for _ in 0..CLOSED {
+        let before = motions.to_vec();
+        for (index, motion) in motions
+            .iter_mut()
+            .enumerate()
+            .filter(|(_, motion)| **motion == Motion::Open)
+        {
+            let count = |what| {
+                let beside = neighbours(index, columns, before.len());
+                beside.filter(|&there| before[there] == what).count()
+            };
+            match (count(Motion::Chaos), count(Motion::Order)) {
+                (0, 0) => {}
+                (chaos, order) if chaos > order => *motion = Motion::Chaos,
+                _ => *motion = Motion::Order,
+            }
+        }
+    }
+    for motion in motions.iter_mut().filter(|motion| **motion == Motion::Open) {
+        *motion = Motion::NotComputed;
+    }
+}
+
+/// Gives regions of fewer than `least` points of chaos or of order the other of the two.
+fn fill_small(motions: &mut [Motion], region: Motion, columns: usize, least: usize) {
+    let filled = if region == Motion::Chaos {
+        Motion::Order
+    } else {
+        Motion::Chaos
+    };
+    let mut seen = vec![false; motions.len()];
+    for start in 0..motions.len() {
+        if motions[start] != region || seen[start] {
+            continue;
+        }
+        let (mut members, mut next) = (vec![start], 0);
+        seen[start] = true;
+        while let Some(&here) = members.get(next) {
+            next += 1;
+            for there in neighbours(here, columns, motions.len()) {
+                if motions[there] == region && !seen[there] {
+                    seen[there] = true;
+                    members.push(there);
+                }
+            }
+        }
+        if members.len() < least {
+            for index in members {
+                motions[index] = filled;
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -218,12 +349,17 @@ mod tests {
     use super::*;
     use crate::experiment::Request;
 
-    fn row(classes: &[Option<Class>], x: &str) -> OnsetKind {
-        let mut request = Request {
+    const C: Option<Class> = Some(Class::Chaotic);
+    const R: Option<Class> = Some(Class::Regular);
+    const U: Option<Class> = Some(Class::Undecided);
+
+    /// What `classes` do not reach is not computed; None is a runaway.
+    fn map(x: &str, y: &str, classes: &[Option<Class>]) -> ParameterMap {
+        let request = Request {
             x: Axis::parse(x).unwrap(),
+            y: Axis::parse(y).unwrap(),
             ..Request::default()
         };
-        request.y.count = 2;
         let mut map = ParameterMap::new(request.resolve().unwrap());
         for (index, class) in classes.iter().enumerate() {
             let measurement = Measurement {
@@ -232,42 +368,120 @@ mod tests {
             };
             map.set(index, &measurement);
         }
-        threshold(&map)[0].kind
+        map
+    }
+
+    /// The changes along the first row as (x, half width, whether chaos begins).
+    fn row(x: &str, classes: &[Option<Class>]) -> Vec<(f64, f64, bool)> {
+        let changes = border(&map(x, "h1=0:1:2", classes));
+        assert!(changes.iter().all(|change| change.along == 0 && change.place[1] == 0.0));
+        changes
+            .iter()
+            .map(|change| (change.place[0], change.half_width, change.begins))
+            .collect()
     }
 
     #[test]
-    fn the_threshold_is_the_middle_of_the_bracket() {
-        let (c, r, u) = (Some(Class::Chaotic), Some(Class::Regular), Some(Class::Undecided));
+    fn every_change_is_the_middle_of_its_bracket_with_its_direction() {
+        let x = "zeta_k=0:4:5";
         assert_eq!(
-            row(&[r, r, c, r, c], "zeta_k=0:4:5"),
-            OnsetKind::At {
-                x: 1.5,
-                half_width: 0.5
-            }
+            row(x, &[R, R, C, R, C]),
+            [(1.5, 0.5, true), (2.5, 0.5, false), (3.5, 0.5, true)]
         );
-        assert_eq!(
-            row(&[r, u, c, r, c], "zeta_k=0:4:5"),
-            OnsetKind::At {
-                x: 1.0,
-                half_width: 1.0
-            }
-        );
-        assert_eq!(
-            row(&[r, None, c, r, c], "zeta_k=0:4:5"),
-            OnsetKind::At {
-                x: 1.0,
-                half_width: 1.0
-            }
-        );
-        assert_eq!(row(&[c, r, c, r, c], "zeta_k=0:4:5"), OnsetKind::BeforeFirst);
-        assert_eq!(row(&[r, r, u, r, r], "zeta_k=0:4:5"), OnsetKind::Never);
-        assert_eq!(row(&[r, r], "zeta_k=0:4:5"), OnsetKind::Incomplete);
-        assert_eq!(
-            row(&[c, c, c, r, r], "zeta_k=4:0:5"),
-            OnsetKind::At {
-                x: 1.5,
-                half_width: 0.5
-            }
-        );
+        // what is not decided widens the bracket, whatever it is, and makes no change where both sides are alike
+        for open in [U, None, Some(Class::Unstable)] {
+            assert_eq!(row(x, &[R, open, C, open, C]), [(1.0, 1.0, true)]);
+            assert_eq!(row(x, &[open, C, open, open, R]), [(2.5, 1.5, false)]);
+        }
+        assert_eq!(row(x, &[Some(Class::QuasiPeriodic), C, C, C, C]), [(0.5, 0.5, true)]);
+        assert_eq!(row(x, &[C; 5]), []);
+        assert_eq!(row("zeta_k=4:0:5", &[C, C, C, R, R]), [(1.5, 0.5, true)]);
+    }
+
+    #[test]
+    fn there_is_no_change_across_points_that_are_not_computed() {
+        let mut map = map("zeta_k=0:4:5", "h1=0:1:2", &[R, R, C, C, R]);
+        let row = |map: &ParameterMap| border(map).iter().map(|change| change.place[0]).collect::<Vec<_>>();
+        assert_eq!(row(&map), [1.5, 3.5]);
+        map.column_mut(Quantity::Status)[3] = f64::NAN;
+        assert_eq!(row(&map), [1.5]);
+    }
+
+    /// Rows of `#` for chaos, `.` for regular and `?` for undecided motion.
+    fn drawn(x: &str, y: &str, picture: &[&str]) -> ParameterMap {
+        let points = picture.iter().flat_map(|row| row.chars());
+        let classes: Vec<Option<Class>> = points
+            .map(|point| match point {
+                '#' => C,
+                '.' => R,
+                _ => U,
+            })
+            .collect();
+        map(x, y, &classes)
+    }
+
+    #[test]
+    fn the_border_of_exchanged_axes_is_the_transposed_one() {
+        let picture = ["..##.", ".###.", "..?#.", "#...#"];
+        let transposed = ["...#", ".#..", "##?.", "###.", "...#"];
+        let one = drawn("zeta_k=0:4:5", "h1=0:3:4", &picture);
+        let other = drawn("h1=0:3:4", "zeta_k=0:4:5", &transposed);
+        for of in [border, drawn_border] {
+            let exchanged = of(&other).into_iter().map(|change| Change {
+                along: 1 - change.along,
+                place: [change.place[1], change.place[0]],
+                ..change
+            });
+            let (mut exchanged, mut changes): (Vec<_>, Vec<_>) = (exchanged.collect(), of(&one));
+            let order = |a: &Change, b: &Change| format!("{a:?}").cmp(&format!("{b:?}"));
+            exchanged.sort_by(order);
+            changes.sort_by(order);
+            assert!(changes.len() > 10);
+            assert_eq!(changes, exchanged);
+        }
+    }
+
+    #[test]
+    fn small_islands_and_gaps_are_not_drawn_and_open_points_hide_no_border() {
+        // 120 x 100 points: regions of fewer than 3
+        let mut rows = vec![format!("{}{}", ".".repeat(60), "#".repeat(60)); 100];
+        rows[10].replace_range(10..12, "##");
+        rows[10].replace_range(90..92, "..");
+        rows[20].replace_range(10..13, "###");
+        // an open point counts as most of its neighbours
+        rows[30].replace_range(60..61, "?");
+        // open regions of three points to either side part what they lie between
+        for row in &mut rows[50..57] {
+            row.replace_range(57..63, "??????");
+        }
+        let picture: Vec<&str> = rows.iter().map(String::as_str).collect();
+        let map = drawn("zeta_k=0:119:120", "h1=0:99:100", &picture);
+        assert_eq!(least_region(&map), 3);
+        let at = |changes: &[Change], row: f64| -> Vec<f64> {
+            let here = changes
+                .iter()
+                .filter(|change| change.along == 0 && change.place[1] == row);
+            here.map(|change| change.place[0]).collect()
+        };
+        let (all, drawn) = (border(&map), drawn_border(&map));
+        assert_eq!(at(&all, 10.0), [9.5, 11.5, 59.5, 89.5, 91.5]);
+        assert_eq!(at(&drawn, 10.0), [59.5]);
+        assert_eq!(at(&drawn, 20.0), [9.5, 12.5, 59.5]);
+        assert_eq!((at(&all, 30.0), at(&drawn, 30.0)), (vec![60.0], vec![59.5]));
+        assert_eq!((at(&all, 53.0), at(&drawn, 53.0)), (vec![59.5], vec![]));
+    }
+
+    #[test]
+    fn initial_states_and_wear_have_no_border() {
+        let picture = ["..##", "..##", "####"];
+        let has = |x: &str, y: &str| !border(&drawn(x, y, &picture)).is_empty();
+        assert!(has("zeta_k=0:3:4", "h1=0:2:3") && has("zeta_k=0:3:4", "k_w=0:0.2:3"));
+        for (x, y) in [
+            ("x0=0:3:4", "h1=0:2:3"),
+            ("zeta_k=0:3:4", "y0=0:2:3"),
+            ("zeta_k=0:3:4", "k_w=0.1:0.2:3"),
+        ] {
+            assert!(!has(x, y), "{x} {y}");
+        }
     }
 }

@@ -49,7 +49,7 @@ fn a_map_is_computed_stored_drawn_and_drawn_again() {
         "class:",
         "status: ok 96",
         "instance-periods/s",
-        "onset:",
+        "border of chaos: along zeta_k it begins",
         "sum of the exponents",
     ] {
         assert!(stdout.contains(said), "{said} is not in: {stdout}");
@@ -58,7 +58,7 @@ fn a_map_is_computed_stored_drawn_and_drawn_again() {
     for name in [
         "outputs/map-lyapunov.png",
         "outputs/map-period.png",
-        "outputs/map-threshold.csv",
+        "outputs/map-border.csv",
         "outputs/map.zarr",
     ] {
         assert!(path(name).exists(), "{name}");
@@ -101,6 +101,21 @@ fn a_map_is_computed_stored_drawn_and_drawn_again() {
     assert_eq!(text(&from.stdout), text(&direct.stdout));
 }
 
+/// Initial states tell attractors apart; that chaos is on one of two says nothing of where it begins.
+#[test]
+fn over_initial_states_chaos_has_no_border() {
+    let folder = TempDir::new().unwrap();
+    let over = SMALL.map(|word| if word.starts_with("h1") { "x0=-1:1:8" } else { word });
+    let output = tribochaos(folder.path(), &[&["map"], &over[..]].concat());
+    let stdout = text(&output.stdout);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(
+        stdout.contains("map-lyapunov.png") && !stdout.contains("border"),
+        "{stdout}"
+    );
+    assert!(!folder.path().join("outputs/map-border.csv").exists());
+}
+
 #[test]
 fn results_are_resumed_but_those_of_another_experiment_are_not_overwritten() {
     let folder = TempDir::new().unwrap();
@@ -123,10 +138,10 @@ fn results_are_resumed_but_those_of_another_experiment_are_not_overwritten() {
     fs::write(folder.path().join("thesis.zarr/zarr.json"), r#"{"node_type": "group"}"#).unwrap();
     assert_refused(&small_map(folder.path(), &["--out", "thesis", "--force"]), "no store");
     assert!(folder.path().join("thesis.zarr/chapter1").exists());
-    fs::write(folder.path().join("table-threshold.csv"), "mine").unwrap();
+    fs::write(folder.path().join("table-border.csv"), "mine").unwrap();
     assert_refused(
         &small_map(folder.path(), &["--out", "table"]),
-        "table-threshold.csv is there already",
+        "table-border.csv is there already",
     );
     // a drawing does not replace another experiment's either
     assert!(

@@ -329,13 +329,20 @@ fn bifurcation_shows_states_over_an_axis() {
 }
 
 #[test]
-fn lyapunov_finds_the_onset_and_names_the_initial_state() {
+fn lyapunov_finds_onset_and_end_and_names_the_initial_state() {
     let folder = TempDir::new().unwrap();
-    let args = ["lyapunov", "--x", "zeta_k=3.6:4:21", "--json"];
+    let args = ["lyapunov", "--x", "zeta_k=3.7:3.9:21", "--json"];
     let found = object(folder.path(), &args);
-    assert!((found["onset"]["value"].as_f64().unwrap() - 3.8025).abs() < 0.0025 + 1e-9);
-    assert_eq!(found["onset"]["uncertainty"], 0.0025);
-    assert_ne!(found["onset"]["initial_state"][0], 0.1);
+    let onset = &found["onset"];
+    assert_eq!(
+        (&onset["value"], &onset["uncertainty"]),
+        (&3.8025.into(), &0.0025.into())
+    );
+    assert_eq!(onset["initial_state"], serde_json::json!([1.0, 0.0]));
+    assert_eq!(found["end"], "at_highest");
+    let error = |of: &Value| of["lyapunov_error"].as_f64().unwrap();
+    // the definition's own error is as large as its exponent
+    assert!(error(&onset["confirmation"]) < 0.25 * error(onset));
     let (names, rows) = table(&folder.path().join("outputs/lyapunov.csv"));
     assert!(names.starts_with("x0,y0,zeta_k,lambda_1,lambda_1_error,lambda_2,lambda_2_error,lambda_3"));
     assert_eq!(rows.len(), 3 * 21);
@@ -343,39 +350,86 @@ fn lyapunov_finds_the_onset_and_names_the_initial_state() {
         rows.iter().all(|row| (row[3] + row[5] - row[8]).abs() < 1e-3),
         "sum = divergence"
     );
-
-    // without chaos on the axis there is none, with chaos everywhere it lies below
-    for (x, said) in [
-        ("zeta_k=1:2:5", "none of the initial states"),
-        ("zeta_k=4.5:4.6:3", "below the axis"),
+    let svg = fs::read_to_string(folder.path().join("outputs/lyapunov.svg")).unwrap();
+    for words in [
+        "each from 3 initial states",
+        "the first at the least value with chaos",
+        "(dashed)",
+        "highest value",
     ] {
-        let args = ["lyapunov", "--x", x, "--start", "0.1,0", "--out", x];
-        assert!(run(folder.path(), &args).contains(said));
+        assert!(svg.contains(words), "{words}");
     }
-    let worn = [
-        "lyapunov",
-        "--set",
-        "k_w=0.01",
-        "--x",
-        "zeta_k=3.5:3.9:2",
-        "--periods",
-        "16",
-        "--out",
-        "w",
-    ];
-    assert!(run(folder.path(), &worn).contains("not looked for (with wear all motion is transient"));
+
+    let said = |args: &[&str]| {
+        run(
+            folder.path(),
+            &[&["lyapunov", "--start", "1,0", "--force"], args].concat(),
+        )
+    };
+    let everywhere = said(&["--x", "zeta_k=4.5:4.6:3", "--onset-spacing", "0.05"]);
+    assert!(
+        everywhere.contains("onset: chaos at the lowest value, zeta_k = 4.5, from (x, y) = (1, 0)")
+            && everywhere.contains("end:   chaos at the highest value, zeta_k = 4.6"),
+        "{everywhere}"
+    );
+    // damping ends chaos, whichever way the axis runs
+    let ends = said(&["--x", "h1=0.64:0.5:3", "--onset-spacing", "0.02"]);
+    assert!(
+        ends.contains("onset: chaos at the lowest value, h1 = 0.5")
+            && ends.contains("end:   chaos ends at h1 = 0.6 +- 0.02"),
+        "{ends}"
+    );
+    let nowhere = said(&["--x", "zeta_k=1:2:5", "--onset-spacing", "0.1"]);
+    assert!(
+        nowhere.contains("onset: none of the initial states leads to chaos on the axis") && !nowhere.contains("end:"),
+        "{nowhere}"
+    );
+    let worn = said(&["--set", "k_w=0.01", "--x", "zeta_k=3.5:3.9:2", "--periods", "16"]);
+    assert!(
+        worn.contains("onset: not looked for (with wear all motion is transient"),
+        "{worn}"
+    );
+}
+
+/// The axis tells the range alone.
+#[test]
+fn lyapunov_finds_one_onset_however_many_values_its_axis_has() {
+    let folder = TempDir::new().unwrap();
+    let bounds = |x: &str| {
+        let args = ["lyapunov", "--x", x, "--start", "1,0", "--json", "--force"];
+        let found = object(folder.path(), &args);
+        (found["onset"].clone(), found["end"].clone())
+    };
+    let first = bounds("zeta_k=3:5:51");
+    assert_eq!(first.0["value"], 3.8025);
+    for x in ["zeta_k=3:5:201", "zeta_k=3:5:7", "zeta_k=5:3:2"] {
+        assert_eq!(bounds(x), first, "{x}");
+    }
+}
+
+#[test]
+fn lyapunov_refuses_what_it_cannot_search_before_any_work() {
+    let folder = TempDir::new().unwrap();
     for (args, reason) in [
-        (&["--onset-spacing", "0"][..], "must be positive"),
         (
-            &["--x", "zeta_k=3:4:5", "--onset-spacing", "1"],
-            "no more than the axis' step",
+            &["--onset-spacing", "0"][..],
+            "--onset-spacing 0 is out of range: it must be positive",
+        ),
+        (&["--onset-spacing", "nan"], "it must be positive"),
+        (
+            &["--x", "zeta_k=3:4:5", "--onset-spacing", "1.1"],
+            "no more than the axis' range 1",
+        ),
+        (
+            &["--x", "zeta_k=3:5:21", "--onset-spacing", "1e-9"],
+            "--onset-spacing 1e-9 makes 2000000001 values on the axis' range 2, from each initial state (at most 100000)",
+        ),
+        (
+            &["--x", "x0=0:1:5"],
+            "the axis is x0: give initial states by --start, or use `map`",
         ),
         (&["--x", "y0=0:1:5"], "--start"),
         (&["--limits", "1:0"], "lower one first"),
-        (
-            &["--x", "zeta_k=3:5:21", "--onset-spacing", "1e-9"],
-            "--onset-spacing 1e-9 makes 100000000 values within a step 0.1",
-        ),
         (
             &["--x", "zeta_k=3:5:100000"],
             "300000 exponents (100000 values from 3 initial states) are too many (at most 200000)",
@@ -383,28 +437,9 @@ fn lyapunov_finds_the_onset_and_names_the_initial_state() {
     ] {
         assert_refused(folder.path(), &[&["lyapunov", "--out", "l"], args].concat(), reason);
     }
-}
-
-#[test]
-fn lyapunov_confirms_the_onset_over_more_periods() {
-    let folder = TempDir::new().unwrap();
-    let args = ["lyapunov", "--x", "zeta_k=3.6:4:21"];
-    let said = run(folder.path(), &args);
-    assert!(
-        said.contains("onset: zeta_k = 3.8025") && said.contains("confirmed over 2000 periods: 0.0"),
-        "{said}"
-    );
-    let found = object(folder.path(), &[&args[..], &["--json"]].concat());
-    let onset = &found["onset"];
-    assert_eq!(
-        (&onset["confirmed"], &onset["confirmation"]["class"]),
-        (&true.into(), &"chaotic".into())
-    );
-    let error = |of: &Value| of["lyapunov_error"].as_f64().unwrap();
-    // the definition's own error is as large as its exponent
-    assert!(error(&onset["confirmation"]) < 0.25 * error(onset));
-    let svg = fs::read_to_string(folder.path().join("outputs/lyapunov.svg")).unwrap();
-    assert!(svg.contains("each from 3 initial states") && svg.contains("the one with the first onset"));
+    // the whole range makes two values
+    let widest = ["lyapunov", "--x", "zeta_k=0.5:0.75:2", "--onset-spacing", "0.25"];
+    assert!(run(folder.path(), &widest).contains("on multiples of 0.25"));
 }
 
 #[test]
@@ -419,6 +454,8 @@ fn lyapunov_claims_nothing_of_points_that_were_not_measured() {
         "rk4",
         "--x",
         "zeta_k=3:4:3",
+        "--onset-spacing",
+        "0.5",
     ];
     let said = run(folder.path(), &args);
     assert!(
@@ -435,7 +472,17 @@ fn lyapunov_claims_nothing_of_points_that_were_not_measured() {
         (&"unknown".into(), &9.into(), &0.into())
     );
 
-    let some = ["lyapunov", "--set", "zeta_k=1", "--x", "b=-1:1:3", "--out", "some"];
+    let some = [
+        "lyapunov",
+        "--set",
+        "zeta_k=1",
+        "--x",
+        "b=-1:1:3",
+        "--onset-spacing",
+        "1",
+        "--out",
+        "some",
+    ];
     let said = run(folder.path(), &some);
     assert!(
         said.contains("none of the initial states leads to chaos where it was measured, which 6 of 9 points were not"),

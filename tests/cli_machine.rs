@@ -191,9 +191,16 @@ fn a_map_over_quantities_is_stored_with_its_machine_and_drawn_in_si() {
         text(&output.stdout)
     );
     assert!(text(&output.stderr).contains("fiction at "), "{}", text(&output.stderr));
-    let table = fs::read_to_string(path("outputs/map-threshold.csv")).unwrap();
     assert!(
-        table.contains("in rad/s; interference: interference of shaft and bush, radial, in m"),
+        !path("outputs/map-border.csv").exists(),
+        "where all wears there is no chaos"
+    );
+    let cold = [&MAP[..], &COLD, &["--transient-periods", "30", "--out", "cold"]].concat();
+    done(&tribochaos(folder.path(), &cold));
+    let table = fs::read_to_string(path("cold-border.csv")).unwrap();
+    assert!(
+        table.contains("in rad/s; interference: interference of shaft and bush, radial, in m")
+            && table.contains("\nalong,shaft_speed_amplitude,interference,half_width,chaos"),
         "{table}"
     );
 

@@ -1,40 +1,47 @@
-//! The onset of chaos over one parameter.
+//! Where chaos begins over one parameter, and where it ends.
 //!
-//! Owns its definition and the refinement of the bracket in which it lies; measures through [`super::exponents`].
+//! Owns their definition and the scan for them; measures through [`crate::sweep`].
 //!
-//! The onset is the least value of a fine grid, upward, at which the exponent of some initial state stands above a bound
-//! while its motion is classed neither as regular nor as quasi-periodic. The class keeps out what an exponent over a finite
-//! window lets in far below: slowly attracting cycles and quasi-periodic motion. The fine grid covers the bracket of the
-//! first upward change that a coarse scan with long windows shows; above the onset chaos is not monotone, so that a bracket is
-//! scanned, never bisected.
+//! A fine grid over the whole range of an axis is scanned, whatever values the axis itself has, for the first value at which
+//! the exponent of some initial state stands above a bound while its motion is classed neither as regular nor as
+//! quasi-periodic, and is chaotic in a much longer run as well. The class keeps out what an exponent over a finite window lets
+//! in far from chaos: slowly attracting cycles and quasi-periodic motion. The longer run keeps out chaos that ends. Chaos is
+//! not monotone in a parameter, so that the range is scanned, never bisected.
 
-use super::exponents::{Line, lines};
 use crate::backend::BackendError;
 use crate::experiment::{Scheme, Settings};
 use crate::grid::{Axis, Coordinate, Fixed, Grid};
-use crate::measurement::{Class, Measurement};
+use crate::measurement::{Class, Measurement, Status};
+use crate::parameters::Parameter;
 use crate::sweep::{Backends, Observer};
 
-/// The most values of the fine grid that a bracket is scanned at: more take hours.
+/// The most values of the fine grid: more take hours.
 pub const MOST_VALUES: usize = 100_000;
 
-/// Forcing periods over which an onset is confirmed.
+/// Forcing periods over which chaos is confirmed.
 pub const CONFIRMING_PERIODS: u32 = 2000;
 
-/// What counts as chaos at the onset, and how finely the bracket is scanned.
+/// The grid by which the model's page defines the onset in zeta_k.
+const ZETA_K_SPACING: f64 = 0.0025;
+
+/// Values of the fine grid that are measured at a time: what lies beyond the chaos in a chunk is measured in vain.
+const CHUNK: usize = 256;
+
+/// Candidates that are confirmed at a time: as many as the CPU's lanes take in the time of one.
+const CONFIRMED_TOGETHER: usize = 32;
+
+/// What counts as chaos.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Definition {
     /// Least exponent, per unit of tau.
     pub least_exponent: f64,
-    /// Distance of the fine grid's values, which are its multiples.
-    pub spacing: f64,
     pub settings: Settings,
 }
 
 impl Definition {
     /// An exponent above 0.005 over 100 periods after 380, with the friction layer resolved: the fixed steps of rk4 are
     /// then at least 4000 a period; those of the other schemes end at the layer's boundaries.
-    pub fn new(spacing: f64, settings: &Settings) -> Self {
+    pub fn new(settings: &Settings) -> Self {
         let mut settings = Settings {
             transient_periods: 380,
             align_periods: 50,
@@ -50,191 +57,230 @@ impl Definition {
         }
         Self {
             least_exponent: 0.005,
-            spacing,
             settings,
         }
     }
 
-    /// Chaos on the fine grid.
-    pub fn is_chaos(&self, measurement: &Measurement) -> bool {
+    /// Whether motion may be chaotic: over 100 periods the error is as large as the exponent, so that many are undecided.
+    fn is_chaos(&self, measurement: &Measurement) -> bool {
         matches!(measurement.class, Some(Class::Chaotic | Class::Undecided))
             && measurement.lyapunov > self.least_exponent
     }
 
-    /// Chaos on a coarse scan: beyond doubt.
-    fn is_certain_chaos(&self, measurement: &Measurement) -> bool {
-        measurement.class == Some(Class::Chaotic) && measurement.lyapunov > self.least_exponent
+    /// Whether it is, over [`CONFIRMING_PERIODS`], which leave little undecided.
+    fn is_confirmed(&self, again: &Measurement) -> bool {
+        again.class == Some(Class::Chaotic) && self.is_chaos(again)
     }
 }
 
-/// An onset that was found.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
-    /// The first chaotic value of the fine grid; chaos sets in between it and the value `spacing` below.
-    pub value: f64,
-    pub spacing: f64,
-    /// The initial state (x, y) from which chaos comes first.
-    pub start: [f64; 2],
-    pub exponent: f64,
-    pub error: f64,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Onset {
-    Found(Found),
-    /// Chaotic at the axis' lowest decided value: the onset lies below.
-    BelowAxis,
-    /// No initial state leads to chaos on the axis.
-    Never,
-}
-
-/// The onset of chaos over an axis on which `coarse` lines were measured, one for each initial state; the first upward change
-/// to chaos among them is scanned again by the definition, and if it does not hold there, the next. None if the observer
-/// broke it off.
-///
-/// # Errors
-/// If a bracket has more than [`MOST_VALUES`], or the backend fails and no fall-back is left.
-pub fn onset(
-    backends: &mut Backends,
-    definition: &Definition,
-    at: &Fixed,
-    coarse: &[Line],
-    observer: &mut Observer<'_>,
-) -> Result<Option<Onset>, BackendError> {
-    let starts: Vec<[f64; 2]> = coarse.iter().map(|line| line.start).collect();
-    for bracket in brackets(definition, coarse) {
-        let Some(low) = bracket.low else {
-            return Ok(Some(Onset::BelowAxis));
-        };
-        let values = ((bracket.high - low) / definition.spacing).round();
-        if values > MOST_VALUES as f64 {
-            // in f32, whose digits show no rounding errors
-            return Err(BackendError::Unsupported(format!(
-                "the onset lies between {} and {}, where a spacing of {:e} makes {values} values (at most {MOST_VALUES}): give a \
-                 greater spacing, or a finer axis between the two",
-                low as f32, bracket.high as f32, definition.spacing
-            )));
-        }
-        let fine = fine_axis(&coarse[0].axis, low, bracket.high, definition.spacing);
-        match scan(backends, definition, at, &fine, &starts, observer)? {
-            None => return Ok(None),
-            Some(None) => {}
-            Some(Some(found)) => return Ok(Some(Onset::Found(found))),
-        }
+/// The spacing of the fine grid where none is asked for: 0.0025 for zeta_k, or more where that makes more than
+/// [`MOST_VALUES`]; for others, and for a range of zeta_k that is shorter, the round number (1, 2 or 5 times a power of ten) at
+/// or just below a thousandth of the range.
+pub fn default_spacing(axis: &Axis) -> f64 {
+    let range = (axis.stop - axis.start).abs();
+    if axis.coordinate != Coordinate::from(Parameter::ZetaK) || range < ZETA_K_SPACING {
+        return round_below(range / 1000.0);
     }
-    Ok(Some(Onset::Never))
-}
-
-/// Measures again where the onset was found, over [`CONFIRMING_PERIODS`]: the definition's 100 periods leave an error as
-/// large as the exponent, and chaos that ends within some hundreds passes for one that lasts. None if the observer broke
-/// it off.
-///
-/// # Errors
-/// If the backend fails and no fall-back is left.
-pub fn confirm(
-    backends: &mut Backends,
-    definition: &Definition,
-    at: &Fixed,
-    coordinate: Coordinate,
-    found: &Found,
-    observer: &mut Observer<'_>,
-) -> Result<Option<Measurement>, BackendError> {
-    let settings = Settings {
-        periods: CONFIRMING_PERIODS,
-        ..definition.settings.clone()
-    };
-    let grid = Grid {
-        axes: Vec::new(),
-        fixed: at.at([(coordinate, found.value)]).from_state(found.start),
-    };
-    let measured = backends.measure(&grid, &settings, &[0], observer)?;
-    Ok(measured.map(|measured| measured[0]))
-}
-
-/// The first value of a rising axis, whose step is the definition's spacing, at which one of the initial states leads to
-/// chaos by the definition. The outer None means that the observer broke it off.
-///
-/// # Errors
-/// If the backend fails and no fall-back is left.
-pub fn scan(
-    backends: &mut Backends,
-    definition: &Definition,
-    at: &Fixed,
-    axis: &Axis,
-    starts: &[[f64; 2]],
-    observer: &mut Observer<'_>,
-) -> Result<Option<Option<Found>>, BackendError> {
-    // the fine grid may reach beyond the axis by a spacing
-    let grid = Grid {
-        axes: vec![*axis],
-        fixed: *at,
-    };
-    grid.extents()
-        .map_err(|error| BackendError::Unsupported(error.to_string()))?;
-    let scanned = lines(backends, &definition.settings, at, axis, starts, observer)?;
-    Ok(scanned.map(|scanned| first_chaos(definition, axis, &scanned)))
-}
-
-/// A change to chaos between two values of the coarse axis, `low < high`; without `low` there is no decided value below.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Bracket {
-    low: Option<f64>,
-    high: f64,
-}
-
-/// The upward changes to chaos of all lines, the lowest first, overlapping ones joined.
-fn brackets(definition: &Definition, lines: &[Line]) -> Vec<Bracket> {
-    let mut brackets = Vec::new();
-    for line in lines {
-        let mut order: Vec<usize> = (0..line.axis.count).collect();
-        if line.axis.step() < 0.0 {
-            order.reverse();
-        }
-        let mut low = None;
-        let mut in_chaos = false;
-        for index in order {
-            let (value, measurement) = (line.axis.value(index), &line.measurements[index]);
-            if definition.is_certain_chaos(measurement) {
-                if !in_chaos {
-                    brackets.push(Bracket { low, high: value });
-                }
-                in_chaos = true;
-            } else if matches!(measurement.class, Some(Class::Regular | Class::QuasiPeriodic)) {
-                low = Some(value);
-                in_chaos = false;
-            }
-        }
+    if range / ZETA_K_SPACING < MOST_VALUES as f64 {
+        return ZETA_K_SPACING;
     }
-    brackets.sort_by(|a, b| a.high.total_cmp(&b.high));
-    brackets
+    // two and a half times the least spacing: a round number between the two there always is
+    round_below(2.5 * range / MOST_VALUES as f64)
 }
 
-/// The multiples of the spacing from the last that is no greater than `low` to the first that is no less than `high`.
-fn fine_axis(coarse: &Axis, low: f64, high: f64, spacing: f64) -> Axis {
-    let first = (low / spacing + 1e-6).floor();
-    let last = (high / spacing - 1e-6).ceil().max(first + 1.0);
+/// The greatest of 1, 2, 5 times a power of ten that is no more than `most`.
+fn round_below(most: f64) -> f64 {
+    let exponent = most.log10().floor();
+    let number = |factor: u8| format!("{factor}e{exponent}").parse().expect("it is a number");
+    [5, 2, 1]
+        .map(number)
+        .into_iter()
+        .find(|round| *round <= most * (1.0 + 1e-9))
+        // where the logarithm was rounded up
+        .unwrap_or(most)
+}
+
+/// How many values the fine grid has at most.
+pub fn count(axis: &Axis, spacing: f64) -> f64 {
+    ((axis.stop - axis.start).abs() / spacing + TOLERANCE).floor() + 1.0
+}
+
+/// Part of a spacing by which an end may miss a multiple that is meant to be it.
+const TOLERANCE: f64 = 1e-6;
+
+/// The multiples of the spacing within the range of an axis, its ends included, rising.
+///
+/// # Panics
+/// If there is none, as there may be where the spacing exceeds the range.
+pub fn fine_axis(axis: &Axis, spacing: f64) -> Axis {
+    let (low, high) = (axis.start.min(axis.stop), axis.start.max(axis.stop));
+    let first = (low / spacing - TOLERANCE).ceil();
+    let last = (high / spacing + TOLERANCE).floor();
+    assert!(first <= last, "no multiple of {spacing} from {low} to {high}");
+    // multiples of a short decimal are short decimals, whose last digits are not those of the product
+    let multiple = |factor: f64| -> f64 { format!("{:.12e}", factor * spacing).parse().expect("it is a number") };
     Axis {
-        coordinate: coarse.coordinate,
-        start: first * spacing,
-        stop: last * spacing,
+        coordinate: axis.coordinate,
+        start: multiple(first).clamp(low, high),
+        stop: multiple(last).clamp(low, high),
         count: (last - first) as usize + 1,
     }
 }
 
-fn first_chaos(definition: &Definition, axis: &Axis, lines: &[Line]) -> Option<Found> {
-    (0..axis.count).find_map(|index| {
-        let line = lines
-            .iter()
-            .find(|line| definition.is_chaos(&line.measurements[index]))?;
-        let measurement = &line.measurements[index];
-        Some(Found {
-            value: axis.value(index),
-            spacing: definition.spacing,
-            start: line.start,
-            exponent: measurement.lyapunov,
-            error: measurement.lyapunov_error,
-        })
-    })
+/// A value of the fine grid with chaos.
+#[derive(Clone, Copy, Debug)]
+pub struct Found {
+    pub value: f64,
+    /// The initial state (x, y) that leads to chaos there, the first of several.
+    pub start: [f64; 2],
+    /// The exponent over the definition's periods, per unit of tau, and its standard error.
+    pub exponent: f64,
+    pub error: f64,
+    /// Over [`CONFIRMING_PERIODS`].
+    pub again: Measurement,
+}
+
+/// What a scan came to.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Scanned {
+    /// The first value with chaos on the way.
+    pub found: Option<Found>,
+    /// Points, each a value and an initial state, that were passed on the way there.
+    pub passed: usize,
+    /// Of these, those that ran away or are under-resolved.
+    pub unmeasured: usize,
+}
+
+/// The way along the fine grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    Up,
+    Down,
+}
+
+/// What is scanned for chaos.
+pub struct Scan<'a> {
+    pub definition: &'a Definition,
+    /// All that is not on the axis.
+    pub at: &'a Fixed,
+    /// As [`fine_axis`] makes it.
+    pub axis: Axis,
+    /// Initial states (x, y), tried at every value.
+    pub starts: &'a [[f64; 2]],
+}
+
+/// A value of the fine grid and an initial state, by their indices.
+#[derive(Clone, Copy)]
+struct Point {
+    value: usize,
+    start: usize,
+}
+
+impl Scan<'_> {
+    /// The first value, going up or down, with chaos from some initial state; chaos that does not last for
+    /// [`CONFIRMING_PERIODS`] is passed. None if the observer broke it off.
+    ///
+    /// # Errors
+    /// If the backend fails and no fall-back is left.
+    pub fn first(
+        &self,
+        way: Way,
+        backends: &mut Backends,
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<Scanned>, BackendError> {
+        let mut order: Vec<usize> = (0..self.axis.count).collect();
+        if way == Way::Down {
+            order.reverse();
+        }
+        let mut scanned = Scanned::default();
+        for chunk in order.chunks(CHUNK) {
+            let starts = 0..self.starts.len();
+            let points: Vec<Point> = chunk
+                .iter()
+                .flat_map(|&value| starts.clone().map(move |start| Point { value, start }))
+                .collect();
+            let settings = &self.definition.settings;
+            let Some(measured) = self.measure(&points, settings, backends, observer)? else {
+                return Ok(None);
+            };
+            let Some(lasting) = self.first_lasting(&points, &measured, backends, observer)? else {
+                return Ok(None);
+            };
+            let passed = lasting.map_or(points.len(), |(place, _)| place);
+            scanned.passed += passed;
+            scanned.unmeasured += measured[..passed].iter().filter(|m| m.status != Status::Ok).count();
+            if let Some((place, again)) = lasting {
+                scanned.found = Some(Found {
+                    value: self.axis.value(points[place].value),
+                    start: self.starts[points[place].start],
+                    exponent: measured[place].lyapunov,
+                    error: measured[place].lyapunov_error,
+                    again,
+                });
+                break;
+            }
+        }
+        Ok(Some(scanned))
+    }
+
+    /// The place of the first of the points with chaos that lasts, and its longer measurement. The outer None means that the
+    /// observer broke it off.
+    fn first_lasting(
+        &self,
+        points: &[Point],
+        measured: &[Measurement],
+        backends: &mut Backends,
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<Option<(usize, Measurement)>>, BackendError> {
+        let longer = Settings {
+            periods: CONFIRMING_PERIODS,
+            ..self.definition.settings.clone()
+        };
+        let candidates: Vec<usize> = (0..points.len())
+            .filter(|&place| self.definition.is_chaos(&measured[place]))
+            .collect();
+        for places in candidates.chunks(CONFIRMED_TOGETHER) {
+            let together: Vec<Point> = places.iter().map(|&place| points[place]).collect();
+            let Some(again) = self.measure(&together, &longer, backends, observer)? else {
+                return Ok(None);
+            };
+            let mut both = places.iter().copied().zip(again);
+            if let Some(lasting) = both.find(|(_, again)| self.definition.is_confirmed(again)) {
+                return Ok(Some(Some(lasting)));
+            }
+        }
+        Ok(Some(None))
+    }
+
+    /// Measurements of points, in their order; None if the observer broke it off.
+    fn measure(
+        &self,
+        points: &[Point],
+        settings: &Settings,
+        backends: &mut Backends,
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<Vec<Measurement>>, BackendError> {
+        let mut measured = vec![None; points.len()];
+        for (start, &state) in self.starts.iter().enumerate() {
+            let places: Vec<usize> = (0..points.len())
+                .filter(|&place| points[place].start == start)
+                .collect();
+            let values: Vec<usize> = places.iter().map(|&place| points[place].value).collect();
+            let grid = Grid {
+                axes: vec![self.axis],
+                fixed: self.at.from_state(state),
+            };
+            let Some(measurements) = backends.measure(&grid, settings, &values, observer)? else {
+                return Ok(None);
+            };
+            for (place, measurement) in places.into_iter().zip(measurements) {
+                measured[place] = Some(measurement);
+            }
+        }
+        Ok(Some(
+            measured.into_iter().map(|m| m.expect("each has a start")).collect(),
+        ))
+    }
 }
 
 #[cfg(test)]
@@ -244,37 +290,116 @@ mod tests {
     use super::*;
     use crate::backend::cpu::CpuBackend;
     use crate::experiment::Precision;
-    use crate::measurement::{BackendKind, Status};
     use crate::parameters::ParameterSet;
+    use crate::sweep::initial_states::offsets;
+
+    fn axis(text: &str) -> Axis {
+        Axis::parse(text).unwrap()
+    }
 
     #[test]
-    fn a_bracket_of_too_many_values_is_refused() {
-        let of = |class, lyapunov| Measurement {
-            status: Status::Ok,
-            class,
-            lyapunov,
-            ..Measurement::runaway(0.0, BackendKind::CpuF64)
-        };
-        let at: Fixed = ParameterSet::default().into();
-        // what is undecided between the two widens the bracket beyond a step of the axis
-        let line = Line {
-            axis: Axis::parse("zeta_k=3:4:3").unwrap(),
-            fixed: at,
-            start: [0.1, 0.0],
-            measurements: vec![
-                of(Some(Class::Regular), -0.1),
-                of(None, f64::NAN),
-                of(Some(Class::Chaotic), 0.1),
-            ],
-        };
-        let definition = Definition::new(0.6e-5, &Settings::default());
-        let mut backends = Backends::new(Box::new(CpuBackend::new(Precision::F64)), None);
-        let observer = &mut |_: crate::sweep::Event<'_>| ControlFlow::Continue(());
-        let refused = onset(&mut backends, &definition, &at, &[line], observer).unwrap_err();
-        let message = refused.to_string();
-        assert!(
-            message.contains("between 3 and 4, where a spacing of 6e-6 makes 166667 values"),
-            "{message}"
+    fn spacings_are_round_whatever_the_axis_step() {
+        for (text, expected) in [
+            ("zeta_k=3:5:7", 0.0025),
+            ("zeta_k=5:3:201", 0.0025),
+            // too narrow, and too wide
+            ("zeta_k=3.801:3.803:5", 2e-6),
+            ("zeta_k=0:900:5", 0.02),
+            ("h1=0:2:101", 0.002),
+            ("h1=0:1.5:3", 0.001),
+            ("b=0.2:0.9:3", 0.0005),
+            ("epsilon_0=1e-9:2e-8:5", 1e-11),
+        ] {
+            let (axis, spacing) = (axis(text), default_spacing(&axis(text)));
+            assert_eq!(spacing, expected, "{text}");
+            assert!(count(&axis, spacing) <= MOST_VALUES as f64, "{text}");
+        }
+    }
+
+    #[test]
+    fn the_fine_grid_is_of_multiples_within_the_range() {
+        for (text, spacing, ends, count) in [
+            ("zeta_k=3:5:7", 0.0025, [3.0, 5.0], 801),
+            ("zeta_k=5:3:7", 0.0025, [3.0, 5.0], 801),
+            ("zeta_k=3.001:3.009:2", 0.0025, [3.0025, 3.0075], 3),
+            ("zeta_k=3.8025:3.805:2", 0.0025, [3.8025, 3.805], 2),
+            ("h1=0.1:0.3:5", 0.2, [0.2, 0.2], 1),
+        ] {
+            let fine = fine_axis(&axis(text), spacing);
+            assert_eq!(([fine.start, fine.stop], fine.count), (ends, count), "{text}");
+        }
+        // multiples are short decimals, bit for bit, whatever the range
+        let value = fine_axis(&axis("zeta_k=0:12:2"), 0.0025).value(1521);
+        assert_eq!(
+            (value, fine_axis(&axis("zeta_k=3:5:2"), 0.0025).value(321)),
+            (3.8025, 3.8025)
         );
+    }
+
+    /// A scan of a few values.
+    fn scan<'a>(
+        definition: &'a Definition,
+        at: &'a Fixed,
+        axis: &str,
+        spacing: f64,
+        starts: &'a [[f64; 2]],
+    ) -> Scan<'a> {
+        Scan {
+            definition,
+            at,
+            axis: fine_axis(&Axis::parse(axis).unwrap(), spacing),
+            starts,
+        }
+    }
+
+    fn parts() -> (Definition, Fixed, Backends) {
+        let at = ParameterSet::default().with(Parameter::ZetaK, 3.9).into();
+        let backends = Backends::new(Box::new(CpuBackend::new(Precision::F64)), None);
+        (Definition::new(&Settings::default()), at, backends)
+    }
+
+    #[test]
+    fn the_first_value_with_chaos_is_found_with_its_initial_state() {
+        let (definition, at, mut backends) = parts();
+        let starts = [[0.1, 0.0], [1.0, 0.0]];
+        let mut first = |axis, spacing, way| {
+            let carry_on = &mut |_: crate::sweep::Event<'_>| ControlFlow::Continue(());
+            let scan = scan(&definition, &at, axis, spacing, &starts);
+            scan.first(way, &mut backends, carry_on).unwrap().unwrap()
+        };
+        let up = first("zeta_k=3.79:3.9:2", 0.0025, Way::Up);
+        let found = up.found.unwrap();
+        assert_eq!((found.value, found.start), (3.8025, [1.0, 0.0]));
+        // five values from two states, and the first state at the sixth
+        assert_eq!((up.passed, up.unmeasured), (11, 0));
+        assert!(found.again.lyapunov_error < 0.25 * found.error);
+        let down = first("h1=0.5:0.64:2", 0.02, Way::Down);
+        assert_eq!(down.found.unwrap().value, 0.6);
+    }
+
+    /// Beyond the boundary of its attractor, chaos lasts for some hundreds of periods: over a hundred it shows from some of many
+    /// initial states.
+    #[test]
+    fn chaos_that_ends_is_passed() {
+        let (definition, at, mut backends) = parts();
+        let starts = offsets(&Settings {
+            initial_states: 65,
+            ..Settings::default()
+        });
+        let scan = scan(&definition, &at, "h1=-0.015:-0.01:2", 0.015, &starts);
+        let carry_on = &mut |_: crate::sweep::Event<'_>| ControlFlow::Continue(());
+        let points: Vec<Point> = (0..starts.len()).map(|start| Point { value: 0, start }).collect();
+        let brief = scan.measure(&points, &definition.settings, &mut backends, carry_on);
+        assert!(brief.unwrap().unwrap().iter().any(|m| definition.is_chaos(m)));
+        let scanned = scan.first(Way::Up, &mut backends, carry_on).unwrap().unwrap();
+        assert!(scanned.found.is_none() && scanned.passed == 64, "{scanned:?}");
+    }
+
+    #[test]
+    fn a_scan_is_broken_off() {
+        let (definition, at, mut backends) = parts();
+        let scan = scan(&definition, &at, "zeta_k=3:5:2", 0.5, &[[0.1, 0.0]]);
+        let stop = &mut |_: crate::sweep::Event<'_>| ControlFlow::Break(());
+        assert!(scan.first(Way::Down, &mut backends, stop).unwrap().is_none());
     }
 }

@@ -1,28 +1,28 @@
-//! `lyapunov`: the exponents over one parameter, and the onset of chaos.
+//! `lyapunov`: the exponents over one parameter, and where chaos begins and ends on it.
 
 use std::time::Instant;
 
 use clap::Args;
 use serde_json::{Value, json};
 use tribochaos::analysis::exponents::{Line, lines};
-use tribochaos::analysis::onset::{self, CONFIRMING_PERIODS, Definition, Found, MOST_VALUES, Onset};
 use tribochaos::experiment::{Experiment, Request, Settings};
-use tribochaos::grid::{Axis, Coordinate};
-use tribochaos::measurement::{Class, Measurement, Status};
+use tribochaos::grid::Axis;
+use tribochaos::measurement::{Measurement, Status};
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts};
 use tribochaos::parameters::Parameter;
 use tribochaos::sweep;
 
 use super::analysis::{self, Files, OutArgs, StartArgs};
+use super::onset::{Outcome, Search};
 use super::progress::{self, Progress};
 use super::request::{self, ExperimentArgs};
 use super::{Failure, report};
 
-/// The onset is the least value, on a fine grid within the bracket of the first upward change, with an exponent above 0.005
-/// over 100 periods after 380, on motion that is neither regular nor quasi-periodic; the friction layer is resolved there
-/// (rk4 takes at least 4000 steps a period). It is measured again over 2000 periods. Without an initial state by --start, --set
-/// or --preset, three are tried: (0.1, 0), (1, 0) and (-1, 0).
+/// Chaos begins at the least value of a fine grid over the whole range of the axis, and ends at the greatest, with an exponent
+/// above 0.005 over 100 periods after 380, on motion that is neither regular nor quasi-periodic, and that is chaotic over 2000
+/// periods, too; the friction layer is resolved there (rk4 takes at least 4000 steps a period). How many values the axis has
+/// does not matter. Without an initial state by --start, --set or --preset, three are tried: (0.1, 0), (1, 0) and (-1, 0).
 #[derive(Args)]
 #[command(after_help = request::help())]
 #[command(mut_arg("start", |start| start.help(START_HELP)))]
@@ -30,11 +30,11 @@ pub struct LyapunovArgs {
     /// The parameter and its values, ends included [default: zeta_k=0:12:601]
     #[arg(long, value_name = "NAME=START:STOP:COUNT", value_parser = request::axis)]
     x: Option<Axis>,
-    /// Spacing of the fine grid for the onset [default: 0.0025 for zeta_k; the axis' step if that is less, and for others a
-    /// twentieth of it]
+    /// Spacing of the fine grid for onset and end, whose values are its multiples [default: 0.0025 for zeta_k, for others the
+    /// round number at or just below a thousandth of the range]
     #[arg(long, value_name = "STEP")]
     onset_spacing: Option<f64>,
-    /// Do not look for the onset
+    /// Do not look for the onset and the end of chaos
     #[arg(long, conflicts_with = "onset_spacing")]
     no_onset: bool,
     /// Ends of the exponents' axis [default: from the data]
@@ -53,38 +53,6 @@ const START_HELP: &str = "Initial state, x and y; may be repeated [default: that
 
 /// More exponents make a table and a picture that nobody opens.
 const MOST_EXPONENTS: usize = 200_000;
-
-/// The grid by which the model's page defines the onset in zeta_k.
-const ZETA_K_SPACING: f64 = 0.0025;
-
-impl LyapunovArgs {
-    fn spacing(&self, axis: &Axis) -> Result<f64, Failure> {
-        let step = axis.step().abs();
-        let Some(spacing) = self.onset_spacing else {
-            return Ok(match axis.coordinate {
-                Coordinate::Parameter(Parameter::ZetaK) => ZETA_K_SPACING.min(step),
-                _ => step / 20.0,
-            });
-        };
-        // written so that NaN fails
-        if !(spacing > 0.0 && spacing <= step) {
-            return Err(Failure::Input(anyhow::anyhow!(
-                "--onset-spacing {spacing} is out of range: it must be positive, and no more than the axis' step {step}"
-            )));
-        }
-        // a bracket has at least one step of the axis
-        let values = (step / spacing).round();
-        if values > MOST_VALUES as f64 {
-            return Err(Failure::Input(anyhow::anyhow!(
-                "--onset-spacing {spacing:e} makes {values} values within a step {} of the axis, from each initial state (at most \
-                 {MOST_VALUES}): use {:e} or more, or an axis with more values",
-                charts::rounded(step),
-                charts::rounded(step / MOST_VALUES as f64)
-            )));
-        }
-        Ok(spacing)
-    }
-}
 
 pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
     let axis = args.x.unwrap_or(Axis {
@@ -116,7 +84,13 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
         initial_states: 1,
         ..experiment.settings.clone()
     };
-    let definition = Definition::new(args.spacing(&axis)?, &settings);
+    let search = if args.no_onset {
+        Err("--no-onset")
+    } else if experiment.wears() {
+        Err("with wear all motion is transient, and its exponents of finite time tell no chaos")
+    } else {
+        Ok(Search::new(args.onset_spacing, &experiment, &settings)?)
+    };
     if let Some([low, high]) = args.limits
         && !(low < high && low.is_finite() && high.is_finite())
     {
@@ -126,7 +100,7 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
     }
     let options = json!({
         "starts": starts,
-        "onset_spacing": if args.no_onset { 0.0 } else { definition.spacing },
+        "onset_spacing": search.as_ref().map_or(0.0, |search| search.spacing),
         "limits": args.limits.into_iter().collect::<Vec<_>>(),
     });
     let recipe = analysis::recipe("lyapunov", &experiment, options);
@@ -143,30 +117,12 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
         .map_err(Failure::backend)?
         .ok_or_else(interrupted)?;
     drop(bar);
-    let observer = &mut |_: sweep::Event<'_>| progress::until_interrupted();
-    let onset = if args.no_onset {
-        Search::Left("--no-onset".to_owned())
-    } else if experiment.wears() {
-        Search::Left("with wear all motion is transient, and its exponents of finite time tell no chaos".to_owned())
-    } else {
-        let onset = onset::onset(backends, &definition, at, &lines, observer).map_err(Failure::backend)?;
-        match onset.ok_or_else(interrupted)? {
-            Onset::Found(found) => {
-                let again = onset::confirm(backends, &definition, at, axis.coordinate, &found, observer)
-                    .map_err(Failure::backend)?
-                    .ok_or_else(interrupted)?;
-                Search::Found(found, Box::new(again))
-            }
-            Onset::BelowAxis => Search::BelowAxis,
-            Onset::Never => Search::Never,
-        }
-    };
-    let found = match &onset {
-        Search::Found(found, _) => Some(found),
-        _ => None,
+    let onset = match search {
+        Ok(search) => search.run(&experiment, &starts, backends)?.ok_or_else(interrupted)?,
+        Err(reason) => Outcome::Left(reason),
     };
     let gaps = Gaps::of(&lines);
-    draw(&mut files, args, &experiment, &lines, found)?;
+    draw(&mut files, args, &experiment, &lines, &onset)?;
     table(&mut files, &experiment, &lines)?;
     if args.out.json {
         files.report(Some(object(&experiment, &starts, &onset, &gaps)));
@@ -186,19 +142,9 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
             gaps.ran_away
         );
     }
-    say!("{}", words(&onset, &experiment, &definition, gaps.all(), exponents));
+    say!("{}", onset.words(&experiment));
     files.report(None);
     Ok(())
-}
-
-/// What came of the search for the onset.
-enum Search {
-    /// It was left out, for this reason.
-    Left(String),
-    /// With a longer measurement there.
-    Found(Found, Box<Measurement>),
-    BelowAxis,
-    Never,
 }
 
 /// Points without exponents.
@@ -218,16 +164,6 @@ impl Gaps {
             under_resolved: count(|status| status == Status::UnderResolved),
         }
     }
-
-    fn all(&self) -> usize {
-        self.ran_away + self.under_resolved
-    }
-}
-
-/// The line that is drawn: the one that chaos is reached on first.
-fn shown<'a>(lines: &'a [Line], found: Option<&Found>) -> &'a Line {
-    let is_first = |line: &&Line| found.is_some_and(|found| found.start == line.start);
-    lines.iter().find(is_first).unwrap_or(&lines[0])
 }
 
 fn draw(
@@ -235,11 +171,13 @@ fn draw(
     args: &LyapunovArgs,
     experiment: &Experiment,
     lines: &[Line],
-    found: Option<&Found>,
+    onset: &Outcome,
 ) -> Result<(), Failure> {
-    let line = shown(lines, found);
+    // the line that is drawn is the one that leads to chaos first
+    let leads = |line: &&Line| onset.least().is_some_and(|found| found.start == line.start);
+    let line = lines.iter().find(leads).unwrap_or(&lines[0]);
     let settings = &experiment.settings;
-    let panel = charts::exponents("", line, found, args.limits);
+    let panel = charts::exponents("", line, &onset.marks(), args.limits);
     let shown = [line.axis.coordinate, Parameter::X0.into(), Parameter::Y0.into()];
     let from = charts::start(line.start);
     let from = if lines.len() == 1 {
@@ -250,8 +188,8 @@ fn draw(
             "each from {} initial states, (x, y) = {}; drawn is {}, {from}",
             starts.len(),
             analysis::starts_in_words(&starts),
-            if found.is_some() {
-                "the one with the first onset"
+            if onset.least().is_some() {
+                "the first at the least value with chaos"
             } else {
                 "the first of them"
             }
@@ -281,8 +219,9 @@ fn draw(
     let caption = vec![
         caption::fixed(&line.fixed, &shown),
         format!(
-            "{} values, {from}; {run}. {gaps}{}, {}. {PROGRAM}.",
+            "{} values, {from}; {run}. {gaps}{}{}, {}. {PROGRAM}.",
             line.axis.count,
+            onset.caption(experiment),
             caption::scheme(settings),
             caption::integrated_on(line.measurements.iter().map(|m| m.backend))
         ),
@@ -342,88 +281,8 @@ fn table(files: &mut Files, experiment: &Experiment, lines: &[Line]) -> Result<(
 /// A column of the table.
 type Column = fn(&Measurement) -> f64;
 
-/// `gaps` of the `exponents` were not measured.
-fn words(onset: &Search, experiment: &Experiment, definition: &Definition, gaps: usize, exponents: usize) -> String {
-    let coordinate = experiment.grid.axes[0].coordinate;
-    let unit = match experiment.grid.fixed.unit(coordinate) {
-        "1" => String::new(),
-        unit => format!(" {unit}"),
-    };
-    match onset {
-        Search::Left(reason) => format!("onset: not looked for ({reason})"),
-        Search::Never if gaps == exponents => "onset: unknown, since nothing was measured".to_owned(),
-        Search::Never if gaps > 0 => format!(
-            "onset: none of the initial states leads to chaos where it was measured, which {gaps} of {exponents} points were not"
-        ),
-        Search::Never => "onset: none of the initial states leads to chaos on the axis".to_owned(),
-        Search::BelowAxis => {
-            "onset: below the axis, at whose lowest decided value the motion is chaotic already".to_owned()
-        }
-        Search::Found(found, again) => format!(
-            "onset: {coordinate} = {} +- {}{unit}, from (x, y) = ({}, {}), with exponent {:.4} +- {:.4}; by {} + {} periods of {} \
-             {} steps on multiples of {}\n       {}",
-            charts::rounded(found.value),
-            found.spacing,
-            found.start[0],
-            found.start[1],
-            found.exponent,
-            found.error,
-            definition.settings.transient_periods,
-            definition.settings.periods,
-            definition.settings.steps_per_period(),
-            definition.settings.scheme().name(),
-            definition.spacing,
-            confirmation(again),
-        ),
-    }
-}
-
-fn is_confirmed(again: &Measurement) -> bool {
-    again.class == Some(Class::Chaotic)
-}
-
-/// What a longer measurement at the onset says.
-fn confirmation(again: &Measurement) -> String {
-    let confirmed = if is_confirmed(again) {
-        "confirmed"
-    } else {
-        "not confirmed"
-    };
-    let what = match again.status {
-        Status::Ok => format!(
-            "{:.4} +- {:.4}, {}",
-            again.lyapunov,
-            again.lyapunov_error,
-            again.class.map_or("-", Class::name)
-        ),
-        Status::Runaway { time } => format!("ran away at tau = {time:.3}"),
-        Status::UnderResolved => "under-resolved".to_owned(),
-    };
-    format!("{confirmed} over {CONFIRMING_PERIODS} periods: {what}")
-}
-
-fn object(experiment: &Experiment, starts: &[[f64; 2]], onset: &Search, gaps: &Gaps) -> Value {
-    let onset = match onset {
-        Search::Found(found, again) => json!({
-            "value": charts::rounded(found.value),
-            "uncertainty": found.spacing,
-            "initial_state": found.start,
-            "lyapunov": found.exponent,
-            "lyapunov_error": found.error,
-            "confirmed": is_confirmed(again),
-            "confirmation": {
-                "periods": CONFIRMING_PERIODS,
-                "status": again.status.name(),
-                "class": again.class,
-                "lyapunov": again.lyapunov,
-                "lyapunov_error": again.lyapunov_error,
-            },
-        }),
-        Search::BelowAxis => json!("below_axis"),
-        Search::Never if gaps.all() > 0 => json!("unknown"),
-        Search::Never => json!("never"),
-        Search::Left(_) => Value::Null,
-    };
+fn object(experiment: &Experiment, starts: &[[f64; 2]], onset: &Outcome, gaps: &Gaps) -> Value {
+    let [onset, end] = onset.objects();
     let object = json!({
         "parameters": analysis::parameters(experiment.grid.fixed.parameters()),
         "axis": experiment.grid.axes[0],
@@ -431,6 +290,7 @@ fn object(experiment: &Experiment, starts: &[[f64; 2]], onset: &Search, gaps: &G
         "runaways": gaps.ran_away,
         "under_resolved": gaps.under_resolved,
         "onset": onset,
+        "end": end,
     });
     analysis::with_machine(object, experiment)
 }

@@ -1,4 +1,4 @@
-//! `map`: from a request to a store, pictures and the threshold.
+//! `map`: from a request to a store, pictures and the border of chaos.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

@@ -27,6 +27,7 @@ mod lyapunov;
 mod machine;
 mod map;
 mod melnikov;
+mod onset;
 mod outputs;
 mod overlay;
 mod phase;
@@ -56,7 +57,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Compute the maximal Lyapunov exponent, the period and the threshold of chaos over two parameters
+    /// Compute the maximal Lyapunov exponent, the period and the border of chaos over two parameters
     Map(map::MapArgs),
     /// Compute everything about one point
     Point(point::PointArgs),
@@ -64,7 +65,7 @@ enum Command {
     Render(render::RenderArgs),
     /// Draw stroboscopic states over one parameter: the bifurcation diagram
     Bifurcation(bifurcation::BifurcationArgs),
-    /// Compute all Lyapunov exponents over one parameter, and the onset of chaos
+    /// Compute all Lyapunov exponents over one parameter, and where chaos begins and ends
     Lyapunov(lyapunov::LyapunovArgs),
     /// Draw orbits in the phase plane
     Phase(phase::PhaseArgs),

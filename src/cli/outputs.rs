@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail};
 use tribochaos::experiment::Experiment;
-use tribochaos::map::ParameterMap;
+use tribochaos::map::{self, ParameterMap};
 use tribochaos::measurement::Quantity;
 use tribochaos::output::picture::{self, Style};
 use tribochaos::output::store::{self, MapStore};
@@ -62,8 +62,9 @@ impl Outputs {
         self.path(&format!("-{}.png", quantity.info().name))
     }
 
-    pub fn threshold(&self) -> PathBuf {
-        self.path("-threshold.csv")
+    /// The table of the border of chaos; none where there is no border.
+    pub fn border(&self, experiment: &Experiment) -> Option<PathBuf> {
+        map::has_border(experiment).then(|| self.path("-border.csv"))
     }
 
     /// Opens the store before a run: that of the same experiment, to go on with it, or a new one.
@@ -117,7 +118,7 @@ impl Outputs {
         picture::check_size(experiment, &Style::default())?;
         let drawn = Quantity::drawn(experiment.wears());
         let pictures: Vec<PathBuf> = drawn.iter().map(|&quantity| self.picture(quantity)).collect();
-        for file in pictures.iter().chain([&self.threshold()]) {
+        for file in pictures.into_iter().chain(self.border(experiment)) {
             if file.is_dir() {
                 bail!("{} is a folder: move it away, or give another --out", file.display());
             }
@@ -165,10 +166,13 @@ impl Outputs {
 
     /// Pictures without a store are in the way unless they show the same experiment; so is a table without them.
     pub fn check_pictures(&self, experiment: &Experiment) -> anyhow::Result<()> {
-        if self.threshold().exists() && !self.picture(Quantity::Lyapunov).exists() {
+        if let Some(table) = self.border(experiment)
+            && table.exists()
+            && !self.picture(Quantity::Lyapunov).exists()
+        {
             bail!(
                 "{} is there already: give another --out, or --force to replace it",
-                self.threshold().display()
+                table.display()
             );
         }
         for &quantity in Quantity::drawn(experiment.wears()) {
@@ -183,7 +187,7 @@ impl Outputs {
         Ok(())
     }
 
-    /// Draws the pictures that a map has unless asked otherwise, and writes the threshold; returns the files.
+    /// Draws the pictures that a map has unless asked otherwise, and writes the border of chaos, if it has one; returns the files.
     pub fn draw(&self, map: &ParameterMap, style: &Style) -> anyhow::Result<Vec<PathBuf>> {
         let mut files = Vec::new();
         for &quantity in Quantity::drawn(map.experiment.wears()) {
@@ -195,8 +199,10 @@ impl Outputs {
             };
             files.push(self.draw_quantity(map, quantity, &style)?);
         }
-        csv::write_threshold(&self.threshold(), map)?;
-        files.push(self.threshold());
+        if let Some(table) = self.border(&map.experiment) {
+            csv::write_border(&table, map)?;
+            files.push(table);
+        }
         Ok(files)
     }
 

@@ -20,7 +20,7 @@ pub struct RenderArgs {
     /// What all output names begin with [default: NAME]
     #[arg(long, value_name = "NAME")]
     out: Option<PathBuf>,
-    /// Quantity to draw; may be repeated [default: lyapunov, period and the threshold's CSV]
+    /// Quantity to draw; may be repeated [default: lyapunov, period and the border's CSV]
     #[arg(long, value_name = "NAME", value_parser = request::named::<Quantity>)]
     quantity: Vec<Quantity>,
     /// Ends of the colour scale; of a machine's exponents, pressure, temperature, wear and times in 1/s, Pa, K, m and s
@@ -30,9 +30,9 @@ pub struct RenderArgs {
     /// Colours: blue-red or purple-green [default: blue-red]
     #[arg(long, value_name = "NAME", value_parser = colours)]
     colours: Option<ColourScale>,
-    /// Leave out the threshold curve
+    /// Leave out the border of chaos
     #[arg(long)]
-    no_threshold: bool,
+    no_border: bool,
     /// Curve from theory over the pictures: melnikov, the threshold of Mel'nikov's criterion
     #[arg(long, value_name = "melnikov", value_parser = request::named::<Theory>)]
     overlay: Option<Theory>,
@@ -58,7 +58,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         outputs.check_pictures(&map.experiment).map_err(Failure::Input)?;
     }
     let mut style = Style {
-        threshold: !args.no_threshold,
+        border: !args.no_border,
         overlay: overlay::curve(args.overlay, &map.experiment)?,
         ..Style::default()
     };

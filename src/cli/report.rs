@@ -6,7 +6,7 @@ use std::time::Duration;
 use tribochaos::experiment::{Experiment, Scheme, Settings};
 use tribochaos::grid::Coordinate;
 use tribochaos::machine::units::si;
-use tribochaos::map::{OnsetKind, ParameterMap, threshold};
+use tribochaos::map::{self, ParameterMap};
 use tribochaos::measurement::{Class, Quantity, is_scheme_to_blame};
 use tribochaos::sweep;
 use tribochaos::sweep::audit::Audit;
@@ -193,19 +193,24 @@ pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[St
             remedy(settings)
         );
     }
-    if map.experiment.wears() {
-        return text;
+    if map::has_border(&map.experiment) {
+        let border = map::border(map);
+        let along = [0, 1].map(|along| {
+            let count = |begins| {
+                let changes = border.iter();
+                changes
+                    .filter(|change| change.along == along && change.begins == begins)
+                    .count()
+            };
+            let axis = map.experiment.grid.axes[along].coordinate;
+            format!(
+                "along {axis} it begins {} times and ends {} times",
+                count(true),
+                count(false)
+            )
+        });
+        let _ = writeln!(text, "border of chaos: {}", along.join(", "));
     }
-    let onsets = threshold(map);
-    let count = |matches: fn(&OnsetKind) -> bool| onsets.iter().filter(|onset| matches(&onset.kind)).count();
-    let _ = writeln!(
-        text,
-        "onset:  in {} rows of {}; {} rows without chaos, {} chaotic from their first point",
-        count(|kind| matches!(kind, OnsetKind::At { .. })),
-        onsets.len(),
-        count(|kind| matches!(kind, OnsetKind::Never)),
-        count(|kind| matches!(kind, OnsetKind::BeforeFirst)),
-    );
     text
 }
 

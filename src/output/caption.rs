@@ -7,7 +7,7 @@ use super::ticks::{number, rounded};
 use crate::experiment::{Scheme, Settings};
 use crate::grid::{Axis, Coordinate, Fixed};
 use crate::machine::units::{Unit, five_digits};
-use crate::map::ParameterMap;
+use crate::map::{CLOSED, ParameterMap, least_region};
 use crate::measurement::{BackendKind, QUANTITIES, Quantity, Values};
 use crate::parameters::{PARAMETERS, Parameter};
 
@@ -15,6 +15,18 @@ use crate::parameters::{PARAMETERS, Parameter};
 pub fn of(map: &ParameterMap) -> Vec<String> {
     let paragraphs = [Some(fixed_parameters(map)), fiction(map), Some(numerics(map))];
     paragraphs.into_iter().flatten().collect()
+}
+
+/// What the border of chaos is that is drawn over a map.
+pub fn border(map: &ParameterMap) -> String {
+    let left_out = match least_region(map) {
+        0..=1 => String::new(),
+        least => format!("; islands and gaps of fewer than {least} points are left out"),
+    };
+    format!(
+        "Border of chaos: between chaotic points and regular or quasi-periodic ones; points of other kinds count as most of their \
+         neighbours, up to {CLOSED} points away{left_out}."
+    )
 }
 
 /// Where no machine could do what is shown.

@@ -11,7 +11,6 @@ pub use super::ticks::rounded;
 use crate::analysis::bifurcation::Diagram;
 use crate::analysis::exponents::Line;
 use crate::analysis::melnikov::Curve;
-use crate::analysis::onset::Found;
 use crate::analysis::path::PathPoint;
 use crate::machine::units::{Unit, five_digits};
 use crate::measurement::Measurement;
@@ -283,10 +282,10 @@ pub fn bifurcation(title: &str, diagram: &Diagram, component: Component, limits:
 /// Standard errors that a band is wide to either side.
 const BAND: f64 = 2.0;
 
-/// The exponents over the axis of a line, with error bands and the onset of chaos; in 1/s where there is a machine, by the
+/// The exponents over the axis of a line, with error bands and marked values, each with its name; in 1/s where there is a machine, by the
 /// machine of each point. With heat there is no second one, and one of finite time has no error: what is nowhere on the line
 /// is neither drawn nor named.
-pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits) -> Panel {
+pub fn exponents(title: &str, line: &Line, marks: &[(&str, f64)], limits: Limits) -> Panel {
     let axis = &line.axis;
     let label = AxisLabel::of(axis, &line.fixed);
     let value_at = |index: usize| label.factor * axis.value(index);
@@ -352,13 +351,10 @@ pub fn exponents(title: &str, line: &Line, onset: Option<&Found>, limits: Limits
         points: curve(|m| m.lyapunov),
         stroke: Stroke::solid(first, 1.2),
     });
-    if let Some(found) = onset {
+    for (name, value) in marks {
         layers.push(Layer::Flag {
-            x: label.factor * found.value,
-            words: format!(
-                "onset: {}",
-                assigned(&line.fixed, axis.coordinate, rounded(found.value))
-            ),
+            x: label.factor * value,
+            words: format!("{name}: {}", assigned(&line.fixed, axis.coordinate, rounded(*value))),
             stroke: Stroke::dashed([0, 0, 0], 1.2),
         });
     }
@@ -501,7 +497,7 @@ mod tests {
             start: [0.1, 0.0],
             measurements: vec![measured(0.0), measured(0.5)],
         };
-        let scale = exponents("", &line, None, None).y;
+        let scale = exponents("", &line, &[], None).y;
         assert!(
             scale.low < -1.0 - BAND * 0.2 && scale.high > 0.5 + BAND * 0.1,
             "{scale:?}"

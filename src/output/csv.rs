@@ -1,56 +1,46 @@
-//! The threshold of chaos as a table of comma-separated values.
+//! The border of chaos as a table of comma-separated values.
 //!
-//! Owns the columns and their notes; finds no threshold itself.
+//! Owns the columns and their notes; finds no border itself.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::{PROGRAM, write_whole};
-use crate::map::{OnsetKind, ParameterMap, threshold};
+use crate::map::{ParameterMap, border};
 
-/// Writes, for every row of the map, where chaos first sets in.
+/// Writes the changes between chaos and regular or quasi-periodic motion along every row and every column of the map, one a
+/// line, in the units of the axes.
 ///
 /// # Errors
 /// [`CsvError`] if the file cannot be written.
-pub fn write_threshold(path: &Path, map: &ParameterMap) -> Result<(), CsvError> {
-    let (x, y) = (map.x_axis().coordinate, map.y_axis().coordinate);
-    let units = [x, y].map(|coordinate| match map.experiment.grid.fixed.unit(coordinate) {
-        "1" => "dimensionless".to_owned(),
-        unit => format!("in {unit}"),
+pub fn write_border(path: &Path, map: &ParameterMap) -> Result<(), CsvError> {
+    let coordinates = [map.x_axis().coordinate, map.y_axis().coordinate];
+    let [x, y] = coordinates.map(|coordinate| coordinate.name());
+    let [x_words, y_words] = coordinates.map(|coordinate| {
+        let unit = match map.experiment.grid.fixed.unit(coordinate) {
+            "1" => "dimensionless".to_owned(),
+            unit => format!("in {unit}"),
+        };
+        format!("{coordinate}: {}, {unit}", coordinate.meaning())
     });
-    let (x_name, y_name) = (x.name(), y.name());
     write_whole(path, |file| {
         writeln!(
             file,
-            "# {PROGRAM}: onset of chaos, the first change to chaos as {x_name} rises, for each {y_name}"
+            "# {PROGRAM}: border of chaos, all changes between chaotic and regular or quasi-periodic points along {x} and along {y}"
         )?;
+        writeln!(file, "# {x_words}; {y_words}")?;
         writeln!(
             file,
-            "# {x_name}: {}, {}; {y_name}: {}, {}",
-            x.meaning(),
-            units[0],
-            y.meaning(),
-            units[1]
+            "# half_width: along the axis named first, the change lies between the middle given - half_width and + half_width; \
+             points in between are undecided, unstable, under-resolved, or ran away"
         )?;
-        writeln!(
-            file,
-            "# half_width: chaos sets in between {x_name}_onset - half_width and {x_name}_onset + \
-             half_width"
-        )?;
-        writeln!(
-            file,
-            "# note: none = no chaos in the row, chaotic_from_start = chaotic at the row's first decided point, \
-             incomplete = not computed"
-        )?;
-        writeln!(file, "{y_name},{x_name}_onset,half_width,note")?;
-        for onset in threshold(map) {
-            write!(file, "{},", onset.y)?;
-            match onset.kind {
-                OnsetKind::At { x, half_width } => writeln!(file, "{x},{half_width},")?,
-                OnsetKind::BeforeFirst => writeln!(file, ",,chaotic_from_start")?,
-                OnsetKind::Never => writeln!(file, ",,none")?,
-                OnsetKind::Incomplete => writeln!(file, ",,incomplete")?,
-            }
+        writeln!(file, "# chaos: begins or ends as the axis named first rises")?;
+        writeln!(file, "along,{x},{y},half_width,chaos")?;
+        for change in border(map) {
+            let along = [x, y][change.along];
+            let [x, y] = change.place;
+            let chaos = if change.begins { "begins" } else { "ends" };
+            writeln!(file, "{along},{x},{y},{},{chaos}", change.half_width)?;
         }
         Ok(())
     })
@@ -75,31 +65,30 @@ mod tests {
     use crate::output::samples;
 
     #[test]
-    fn every_row_has_its_onset_or_a_note() {
+    fn changes_of_rows_and_columns_are_listed_with_all_digits() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("threshold.csv");
+        let path = folder.path().join("border.csv");
         #[rustfmt::skip]
         let exponents = [
-            -1.0, -1.0, 1.0, 1.0,
-            1.0, -1.0, 1.0, 1.0,
-            -1.0, -1.0, -1.0, f64::NAN,
-            -1.0,
+            -1.0, 1.0, 1.0, -1.0,
+            -1.0, -1.0, 1.0, f64::NAN,
         ];
-        write_threshold(&path, &samples::map("zeta_k=0:1:4", "h1=0:0.3:4", &exponents)).unwrap();
+        write_border(&path, &samples::map("zeta_k=0:1:4", "h1=0:0.3:2", &exponents)).unwrap();
         let text = fs::read_to_string(&path).unwrap();
         let (comments, rows): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| line.starts_with('#'));
         assert!(comments[0].contains(PROGRAM) && comments.len() == 4);
-        assert_eq!(rows[0], "h1,zeta_k_onset,half_width,note");
-        let fields: Vec<&str> = rows[1].split(',').collect();
-        assert!((fields[1].parse::<f64>().unwrap() - 0.5).abs() < 1e-15);
-        assert_eq!(
-            fields[2].parse::<f64>().unwrap(),
-            0.5 * (2.0 / 3.0 - 1.0 / 3.0),
-            "all digits are kept"
-        );
-        assert_eq!((fields[0], fields[3]), ("0", ""));
-        assert!(rows[2].ends_with(",,,chaotic_from_start") && rows[3].ends_with(",,,none"));
-        assert_eq!(rows[4], "0.3,,,incomplete");
-        assert_eq!(rows.len(), 5);
+        let (third, two_thirds) = (1.0 / 3.0, 2.0 / 3.0);
+        let expected = [
+            "along,zeta_k,h1,half_width,chaos".to_owned(),
+            format!("zeta_k,{},0,{},begins", 0.5 * third, 0.5 * third),
+            format!(
+                "zeta_k,{},0,{},ends",
+                0.5 * (two_thirds + 1.0),
+                0.5 * (1.0 - two_thirds)
+            ),
+            format!("zeta_k,0.5,0.3,{},begins", 0.5 * (two_thirds - third)),
+            format!("h1,{third},0.15,0.15,ends"),
+        ];
+        assert_eq!(rows, expected);
     }
 }

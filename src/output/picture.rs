@@ -11,7 +11,7 @@ use super::plot::{self, Cell, Kind, Plot};
 use super::ticks::{round_step, round_up};
 use crate::experiment::Experiment;
 use crate::machine::units::Unit;
-use crate::map::{OnsetKind, ParameterMap, threshold};
+use crate::map::{ParameterMap, drawn_border};
 use crate::measurement::{Class, Quantity, Values};
 
 /// How a picture is drawn.
@@ -22,8 +22,8 @@ pub struct Style {
     /// centred at zero: its colours reach as far as the larger of the two.
     pub limits: Option<(f64, f64)>,
     pub colours: ColourScale,
-    /// Whether the threshold of chaos is drawn on the map of the exponent.
-    pub threshold: bool,
+    /// Whether the border of chaos is drawn on the map of the exponent.
+    pub border: bool,
     /// A curve from theory that is drawn over every map.
     pub overlay: Option<Overlay>,
     /// Width and height of the plotted map in pixels, met as nearly as whole pixels for each point allow.
@@ -35,7 +35,7 @@ impl Default for Style {
         Self {
             limits: None,
             colours: ColourScale::default(),
-            threshold: true,
+            border: true,
             overlay: None,
             size: [960, 640],
         }
@@ -73,7 +73,7 @@ pub fn quantity_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -
 }
 
 /// The map of the maximal exponent, with the undecided, quasi-periodic, unstable and runaway points in colours of their own and
-/// the threshold of chaos.
+/// the border of chaos.
 ///
 /// # Errors
 /// As [`quantity_picture`].
@@ -98,11 +98,7 @@ pub fn lyapunov_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Fig
         None => Cell::Value(values[index]),
     });
     let bar = bar(Quantity::Lyapunov, &shown, &cells, style)?;
-    let onsets = if style.threshold { threshold(map) } else { Vec::new() };
-    let curve = onsets.iter().map(|onset| match onset.kind {
-        OnsetKind::At { x, .. } => Some(x),
-        OnsetKind::BeforeFirst | OnsetKind::Never | OnsetKind::Incomplete => None,
-    });
+    let border = if style.border { drawn_border(map) } else { Vec::new() };
     draw(
         map,
         style,
@@ -110,7 +106,7 @@ pub fn lyapunov_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Fig
             cells,
             kinds,
             bar,
-            curve: curve.collect(),
+            border,
             ..Plot::of(map)
         },
     )
@@ -453,7 +449,11 @@ fn quantile(sorted: &[f64], fraction: f64) -> f64 {
 
 fn draw(map: &ParameterMap, style: &Style, mut plot: Plot) -> Result<Figure, FigureError> {
     plot.overlay = style.overlay.clone();
-    plot.draw(style.size, &caption::of(map))
+    let mut caption = caption::of(map);
+    if !plot.border.is_empty() {
+        caption.push(caption::border(map));
+    }
+    plot.draw(style.size, &caption)
 }
 
 #[cfg(test)]

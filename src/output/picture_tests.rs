@@ -23,7 +23,7 @@ fn small() -> Style {
 fn every_point_is_a_block_of_its_colour() {
     let exponents = [-1.0, -0.5, 0.5, 1.0, f64::NAN, -1.0];
     let style = Style {
-        threshold: false,
+        border: false,
         limits: Some((-1.0, 1.0)),
         ..small()
     };
@@ -39,7 +39,7 @@ fn every_point_is_a_block_of_its_colour() {
 #[test]
 fn falling_axes_are_drawn_rising() {
     let style = Style {
-        threshold: false,
+        border: false,
         limits: Some((-1.0, 1.0)),
         ..small()
     };
@@ -50,7 +50,7 @@ fn falling_axes_are_drawn_rising() {
 }
 
 #[test]
-fn the_threshold_lies_between_the_blocks_and_breaks_where_there_is_none() {
+fn the_border_lies_between_the_blocks_to_all_sides() {
     #[rustfmt::skip]
     let exponents = [
         -1.0, -1.0, 1.0, 1.0,
@@ -60,14 +60,12 @@ fn the_threshold_lies_between_the_blocks_and_breaks_where_there_is_none() {
     ];
     let map = samples::map("zeta_k=0:3:4", "h1=0:3:4", &exponents);
     let figure = lyapunov_picture(&map, &small()).unwrap();
-    assert!(figure.svg.contains("onset of chaos"));
+    assert!(figure.svg.contains(">border of chaos<") && figure.svg.contains("Border of chaos: between"));
     let path = figure
         .svg
         .lines()
         .find(|line| line.starts_with("<path d=\"M") && line.contains("#ffffff"))
         .unwrap();
-    assert_eq!(path.matches('M').count(), 2, "{path}");
-    // The pieces are one and two rows of 15 pixels long, at x = 1.5: two blocks of 20 pixels from the left.
     let place = |name: &str| {
         let image = figure.svg.lines().find(|line| line.starts_with("<image")).unwrap();
         let value = image
@@ -79,18 +77,38 @@ fn the_threshold_lies_between_the_blocks_and_breaks_where_there_is_none() {
             .unwrap();
         value.parse::<f64>().unwrap()
     };
-    let (x, bottom) = (place("x") + 40.0, place("y") + 60.0);
-    let start = format!(
-        "d=\"M{x:.2} {bottom:.2}L{x:.2} {:.2}L{x:.2} {:.2}M",
-        bottom - 7.5,
-        bottom - 15.0
+    // blocks are 20 x 15 pixels: the right half's lowest row is an island, as are its two upper ones
+    let (left, bottom) = (place("x"), place("y") + 60.0);
+    let up = |row: f64| {
+        format!(
+            "M{:.2} {:.2}V{:.2}",
+            left + 40.0,
+            bottom - 15.0 * (row + 1.0),
+            bottom - 15.0 * row
+        )
+    };
+    let across = |column: f64, row: f64| {
+        let x = left + 20.0 * column;
+        format!("M{x:.2} {:.2}H{:.2}", bottom - 15.0 * row, x + 20.0)
+    };
+    let strokes = [
+        up(0.0),
+        up(2.0),
+        up(3.0),
+        across(2.0, 1.0),
+        across(2.0, 2.0),
+        across(3.0, 1.0),
+        across(3.0, 2.0),
+    ];
+    assert!(
+        path.contains(&format!("d=\"{}\"", strokes.concat())),
+        "{path} {strokes:?}"
     );
-    assert!(path.contains(&start), "{path} {start}");
     let style = Style {
-        threshold: false,
+        border: false,
         ..small()
     };
-    assert!(!lyapunov_picture(&map, &style).unwrap().svg.contains("onset of chaos"));
+    assert!(!lyapunov_picture(&map, &style).unwrap().svg.contains("order of chaos"));
 }
 
 #[test]

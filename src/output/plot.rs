@@ -13,7 +13,7 @@ use super::svg::{hatch, hex, line, upright, words};
 use super::text::{self, widest, width, wrap};
 use super::ticks::{Tick, ticks};
 use crate::grid::Axis;
-use crate::map::ParameterMap;
+use crate::map::{Change, ParameterMap};
 
 /// What a point of the map shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,8 +53,8 @@ pub struct Plot {
     /// Stands before the legend.
     pub heading: String,
     pub bar: Option<Bar>,
-    /// The x of the threshold in each row; empty if it is not to be drawn.
-    pub curve: Vec<Option<f64>>,
+    /// The border of chaos, as it is to be drawn.
+    pub border: Vec<Change>,
     pub overlay: Option<Overlay>,
 }
 
@@ -71,11 +71,8 @@ pub struct Overlay {
 const MAX_POINTS: usize = 16_384;
 const MAX_PIXELS: u64 = 128_000_000;
 
-/// Strokes of the threshold from row to row are left out where they span more than this part of the axis, or this many
-/// times the height of a row: long ones suggest onsets where there are none, and where the onset jumps to and fro, flat
-/// ones fill an area with black.
-const MAX_JUMP: f64 = 0.03;
-const MAX_JUMP_ROWS: f64 = 8.0;
+/// Width of the border of chaos, in pixels.
+const BORDER: f64 = 1.8;
 
 /// Pixels that a point takes along either axis, so that the map is about `size` large; at least 1.
 pub fn cell_size(columns: usize, rows: usize, size: [u32; 2]) -> Result<[u32; 2], FigureError> {
@@ -131,7 +128,7 @@ impl Plot {
             kinds: Vec::new(),
             heading: String::new(),
             bar: None,
-            curve: Vec::new(),
+            border: Vec::new(),
             overlay: None,
         }
     }
@@ -211,13 +208,13 @@ impl Plot {
             svg,
             "<image {place} preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" href=\"{data}\"/>"
         );
-        let path = self.threshold_path(layout);
+        let path = self.border_path(layout);
         if !path.is_empty() {
-            for (colour, stroke) in [("#ffffff", 5.0 * unit), ("#000000", 2.2 * unit)] {
+            for (colour, stroke) in [("#ffffff", 4.0 * unit), ("#000000", BORDER * unit)] {
                 let _ = writeln!(
                     svg,
                     "<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{stroke}\" \
-                     stroke-linejoin=\"round\"/>"
+                     stroke-linecap=\"round\"/>"
                 );
             }
         }
@@ -264,33 +261,17 @@ impl Plot {
         }
     }
 
-    /// The threshold through the middles of the rows, half a row longer at the ends of each piece.
-    fn threshold_path(&self, layout: &Layout) -> String {
-        let half = 0.5 * layout.cell[1];
-        let sign = if self.y.step() < 0.0 { -1.0 } else { 1.0 };
-        let longest = (MAX_JUMP * layout.width).min(MAX_JUMP_ROWS * layout.cell[1]);
+    /// A stroke as long as a point's side across each change; between neighbours they meet at the points' corners.
+    fn border_path(&self, layout: &Layout) -> String {
         let mut path = String::new();
-        let mut previous: Option<(f64, f64)> = None;
-        for (row, onset) in self.curve.iter().enumerate() {
-            let point = onset.map(|x| (self.x_pixel(x, layout), self.y_pixel(self.y.value(row), layout)));
-            let joined = |(x, _): (f64, f64), (next, _): (f64, f64)| (next - x).abs() <= longest;
-            match (previous, point) {
-                (Some(last), Some(next)) if joined(last, next) => {
-                    let _ = write!(path, "L{:.2} {:.2}", next.0, next.1);
-                }
-                (last, next) => {
-                    if let Some((x, y)) = last {
-                        let _ = write!(path, "L{x:.2} {:.2}", y - sign * half);
-                    }
-                    if let Some((x, y)) = next {
-                        let _ = write!(path, "M{x:.2} {:.2}L{x:.2} {y:.2}", y + sign * half);
-                    }
-                }
-            }
-            previous = point;
-        }
-        if let Some((x, y)) = previous {
-            let _ = write!(path, "L{x:.2} {:.2}", y - sign * half);
+        for change in &self.border {
+            let [x, y] = change.place;
+            let (x, y) = (self.x_pixel(x, layout), self.y_pixel(y, layout));
+            let half = 0.5 * layout.cell[1 - change.along];
+            let _ = match change.along {
+                0 => write!(path, "M{x:.2} {:.2}V{:.2}", y - half, y + half),
+                _ => write!(path, "M{:.2} {y:.2}H{:.2}", x - half, x + half),
+            };
         }
         path
     }
@@ -369,9 +350,8 @@ impl Plot {
         if self.cells.contains(&Cell::NotComputed) {
             entries.push(("url(#hatch)".to_owned(), "not computed"));
         }
-        let has_curve = self.curve.iter().any(Option::is_some);
-        if has_curve {
-            entries.push(("line".to_owned(), "onset of chaos (first upward change)"));
+        if !self.border.is_empty() {
+            entries.push(("line".to_owned(), "border of chaos"));
         }
         if let Some(overlay) = &self.overlay {
             entries.push(("dashes".to_owned(), &overlay.name));
@@ -390,7 +370,7 @@ impl Plot {
             let middle = y - 0.36 * size;
             match fill.as_str() {
                 "" => {}
-                "line" => line(svg, [x, middle, x + swatch, middle], 2.2 * unit),
+                "line" => line(svg, [x, middle, x + swatch, middle], BORDER * unit),
                 "dashes" => {
                     let _ = writeln!(
                         svg,

@@ -5,8 +5,8 @@
 use super::table::{Row, Value};
 use super::{Data, Effort, Observer, Outcome, PaperError};
 use crate::analysis::bifurcation::{Columns, diagram};
-use crate::analysis::exponents::{Line, from, lines};
-use crate::analysis::onset::{Definition, Found, Onset, onset, scan};
+use crate::analysis::exponents::{from, lines};
+use crate::analysis::onset::{Definition, Found, Scan, Way, fine_axis};
 use crate::backend::cpu::CpuBackend;
 use crate::dynamics::spectrum::lyapunov_spectrum;
 use crate::experiment::{Precision, Settings};
@@ -41,8 +41,6 @@ struct Work {
     states: u32,
     /// Values of zeta_k in a panel of exponents.
     exponents: usize,
-    /// Values of the coarse scan for an onset over the wide axis.
-    coarse: usize,
     /// Initial states tried in all where the paper's onset is not reproduced.
     tried: u32,
 }
@@ -54,22 +52,16 @@ impl Work {
                 columns: 2 * BESIDE[0] as usize,
                 states: 200,
                 exponents: 1201,
-                coarse: 601,
                 tried: 24,
             },
             Effort::Quick => Self {
                 columns: BESIDE[0] as usize / 4,
                 states: 48,
                 exponents: 121,
-                coarse: 241,
                 tried: 8,
             },
         }
     }
-}
-
-fn definition() -> Definition {
-    Definition::new(ONSET_SPACING, &Settings::default())
 }
 
 fn axis([start, stop]: [f64; 2], count: usize) -> Axis {
@@ -151,6 +143,7 @@ fn exponents_panel(
         ..Settings::default()
     };
     let axis = axis(range, work.exponents);
+    let marks: Vec<(&str, f64)> = onset.iter().map(|found| ("onset", found.value)).collect();
     let observer = &mut |_: crate::sweep::Event<'_>| observer();
     let found = lines(&mut backends(), &settings, &damped(h1), &axis, &[START], observer)?;
     Ok(found.map(|lines| {
@@ -179,36 +172,30 @@ fn exponents_panel(
             columns: columns.map(str::to_owned).to_vec(),
             rows: rows.collect(),
         };
-        (charts::exponents(&title, line, onset, Some(limits)), data)
+        (charts::exponents(&title, line, &marks, Some(limits)), data)
     }))
 }
 
-/// The onset over the paper's wide axis, from each of the initial states.
-fn wide_onset(
-    work: &Work,
+/// The least zeta_k on a range with chaos from one of the initial states. The outer None means that the observer broke it off.
+fn first_chaos(
     h1: f64,
+    range: [f64; 2],
     starts: &[[f64; 2]],
     observer: &mut Observer<'_>,
 ) -> Result<Option<Option<Found>>, PaperError> {
-    let mut backends = backends();
-    let observer = &mut |_: crate::sweep::Event<'_>| observer();
-    let at = damped(h1);
-    let axis = axis(WIDE, work.coarse);
-    let settings = Settings::default();
-    let Some(coarse) = lines(&mut backends, &settings, &at, &axis, starts, observer)? else {
-        return Ok(None);
+    let scan = Scan {
+        definition: &Definition::new(&Settings::default()),
+        at: &damped(h1),
+        axis: fine_axis(&axis(range, 2), ONSET_SPACING),
+        starts,
     };
-    let coarse: &[Line] = &coarse;
-    Ok(
-        onset(&mut backends, &definition(), &at, coarse, observer)?.map(|onset| match onset {
-            Onset::Found(found) => Some(found),
-            Onset::BelowAxis | Onset::Never => None,
-        }),
-    )
+    let observer = &mut |_: crate::sweep::Event<'_>| observer();
+    let scanned = scan.first(Way::Up, &mut backends(), observer)?;
+    Ok(scanned.map(|scanned| scanned.found))
 }
 
 fn onset_value(found: Option<&Found>) -> Value {
-    found.map_or(Value::Nothing, |found| Value::uncertain(found.value, found.spacing, 4))
+    found.map_or(Value::Nothing, |found| Value::uncertain(found.value, ONSET_SPACING, 4))
 }
 
 fn from_words(found: Option<&Found>) -> String {
@@ -229,7 +216,7 @@ macro_rules! finished {
 
 pub fn figure_3_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<Outcome>, PaperError> {
     let work = Work::new(effort);
-    let found = finished!(wide_onset(&work, 0.0, &STARTS, observer));
+    let found = finished!(first_chaos(0.0, WIDE, &STARTS, observer));
     let drawn = [
         finished!(bifurcation_panel(&work, "a", 0.0, WIDE, [-2.7, 1.4], observer)),
         finished!(bifurcation_panel(&work, "b", 0.0, NARROW, [-0.9, 1.1], observer)),
@@ -272,9 +259,9 @@ pub fn figure_3_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
 
 pub fn figure_3_2(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<Outcome>, PaperError> {
     let work = Work::new(effort);
-    let half = finished!(wide_onset(&work, 0.5, &STARTS, observer));
-    let other = finished!(wide_onset(&work, 0.5, &STARTS[..1], observer));
-    let one = finished!(wide_onset(&work, 1.0, &STARTS, observer));
+    let half = finished!(first_chaos(0.5, WIDE, &STARTS, observer));
+    let other = finished!(first_chaos(0.5, WIDE, &STARTS[..1], observer));
+    let one = finished!(first_chaos(1.0, WIDE, &STARTS, observer));
     let tried = finished!(below(&work, 1.0, one.as_ref(), observer));
     let x = [-2.7, 1.4];
     let drawn = [
@@ -342,16 +329,14 @@ fn below(
     };
     starts.extend(initial_states::offsets(&settings));
     let first = found.value - f64::from(DEPTH) * ONSET_SPACING;
-    let axis = axis([first, found.value - ONSET_SPACING], DEPTH as usize);
-    let observer = &mut |_: crate::sweep::Event<'_>| observer();
-    let scanned = scan(&mut backends(), &definition(), &damped(h1), &axis, &starts, observer)?;
+    let last = found.value - ONSET_SPACING;
+    let scanned = first_chaos(h1, [first, last], &starts, observer)?;
     Ok(scanned.map(|chaos| {
         let count = starts.len();
         match chaos {
             None => format!(
                 "not reproduced by the paper's equations: none of {count} initial states leads to chaos at any of the \
-                 {DEPTH} values from {first:.4} to {:.4}",
-                axis.stop
+                 {DEPTH} values from {first:.4} to {last:.4}"
             ),
             Some(chaos) => format!(
                 "{}; of {count} initial states the first to lead to chaos, ({:.3}, {:.3}), does so at {:.4}",
