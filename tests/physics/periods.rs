@@ -267,6 +267,30 @@ fn a_rest_without_a_drive_has_period_1_whatever_omega_0() {
     }
 }
 
+/// As the drive vanishes: of a rest both exponents, and beside a limit cycle, where the driven motion is a torus, the second one.
+#[test]
+fn exponents_are_continuous_as_the_drive_vanishes() {
+    let rest = self_excited().with(Parameter::Alpha, -0.3).with(Parameter::X0, 0.5);
+    let driven = [1e-2, 1e-4, 1e-6, 0.0].map(|zeta_k| rest.with(Parameter::ZetaK, zeta_k));
+    let measured = measure(Precision::F64, &Settings::default(), &driven);
+    for (m, set) in measured.iter().zip(&driven) {
+        let off = [
+            m.lyapunov - measured[3].lyapunov,
+            m.lyapunov_second - measured[3].lyapunov_second,
+        ];
+        let bound = 1e-6 + 0.1 * set[Parameter::ZetaK];
+        assert!(off.iter().all(|off| off.abs() < bound), "{off:?} {set:?}");
+        assert_eq!((m.class, m.period), (Some(Class::Regular), Some(1)));
+    }
+
+    let expected = divergence_of_the_limit_cycle();
+    let torus = [1e-2, 1e-3].map(|zeta_k| self_excited().with(Parameter::ZetaK, zeta_k));
+    for m in measure(Precision::F64, &Settings::default(), &torus) {
+        assert_eq!(m.class, Some(Class::QuasiPeriodic), "{m:?}");
+        assert!((m.lyapunov_second - expected).abs() < 5e-3, "{expected} {m:?}");
+    }
+}
+
 fn experiment(x: &str, y: &str, states: u32, settings: &Settings) -> Experiment {
     let request = Request {
         x: Axis::parse(x).unwrap(),

@@ -174,6 +174,49 @@ fn the_default_scheme_agrees_with_the_reference_at_some_points_of_the_wide_box()
     assert!(row.count(Verdict::Refused) <= 1, "refused points are printed above");
 }
 
+/// At points with crossings, with sticking and with both, from the reference's own code for sharp friction: saltation at crossings,
+/// and a bush that sticks.
+#[test]
+fn exponents_of_the_program_tend_to_the_limit_of_sharp_friction() {
+    use Parameter::{Alpha, Beta, Epsilon0, F0, H1, OmegaK, X0, ZetaK};
+    let with = |values: &[(Parameter, f64)]| {
+        let set = ParameterSet::default();
+        values
+            .iter()
+            .fold(set, |set, &(parameter, value)| set.with(parameter, value))
+    };
+    let layers = [1e-2, 1e-3, 1e-5, 1e-7, 1e-9];
+    for set in [
+        with(&[(ZetaK, 3.5)]),
+        with(&[(ZetaK, 0.3), (OmegaK, 0.0), (F0, 2.0), (X0, 0.9)]),
+        with(&[(ZetaK, 1.5), (F0, 1.0), (H1, 1.0)]),
+        with(&[(ZetaK, 500.0), (Alpha, 0.0), (Beta, 0.0), (H1, 2.0)]),
+    ] {
+        let start = [set[Parameter::X0], set[Parameter::Y0]];
+        let sharp = sharp::Sharp::new(points::bush(&set), start);
+        let Truth::Cycle { lyapunov: limit, .. } = attractor::follow_motion(sharp, &attractor::Effort::USUAL) else {
+            panic!("no cycle: {set:?}");
+        };
+        let points = layers.map(|layer| set.with(Epsilon0, layer));
+        for scheme in [Scheme::Taylor, Scheme::Radau] {
+            let mut backend = CpuBackend::new(Precision::F64);
+            let settings = Settings {
+                tolerance: 1e-8,
+                ..of_scheme(scheme)
+            };
+            let measured = common::measure_on(&mut backend, &settings, &points);
+            for (m, layer) in measured.iter().zip(layers) {
+                let off = (m.lyapunov - limit).abs();
+                // in proportion to the layer's width, as the reference's own exponents
+                assert!(
+                    off < 1e-6 + 10.0 * layer + 3.0 * m.lyapunov_error,
+                    "{scheme:?}, epsilon_0 = {layer}: {off:e} from {limit}: {m:?}"
+                );
+            }
+        }
+    }
+}
+
 #[test]
 #[ignore = "minutes; the standing proof"]
 fn every_scheme_number_type_and_backend_agrees_with_the_reference_or_refuses() {
