@@ -220,6 +220,7 @@ fn a_point_is_one_json_object() {
             "class",
             "lyapunov",
             "lyapunov_error",
+            "scheme_error",
             "lyapunov_interval",
             "lyapunov_second",
             "divergence",
@@ -497,7 +498,10 @@ fn help_names_the_defaults_that_hold() {
     let folder = TempDir::new().unwrap();
     let defaults = Settings::default();
     for (option, default) in [
-        ("modes", defaults.modes().to_string()),
+        (
+            "modes",
+            format!("{}, and more where heat is conducted slowly", defaults.modes()),
+        ),
         ("tolerance", format!("{:e}", defaults.tolerance)),
         ("transient-periods", defaults.transient_periods.to_string()),
         (
