@@ -10,7 +10,7 @@ use super::cpu::CpuBackend;
 use super::run::measure_constant;
 use super::{Backend, BackendError, Slice, Stage};
 use crate::experiment::{Precision, Scheme, Settings};
-use crate::measurement::{Class, Measurement, Status};
+use crate::measurement::{Class, Measurement, QUASI_PERIODIC_ERROR, Status};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// Two exponents differ by chance by up to so many times what their errors add up to.
@@ -155,7 +155,11 @@ fn compared(measured: &Measurement, finer: &Measurement) -> Measurement {
         integrated_periods,
         ..*measured
     };
-    if finer.class == measured.class || measured.lyapunov.abs() > 3.0 * measured.lyapunov_error {
+    let stands = match measured.class {
+        Some(Class::QuasiPeriodic) => measured.lyapunov_error < QUASI_PERIODIC_ERROR,
+        _ => measured.lyapunov.abs() > 3.0 * measured.lyapunov_error,
+    };
+    if share == 0.0 || finer.class == measured.class || stands {
         return measured;
     }
     Measurement {
