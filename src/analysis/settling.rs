@@ -7,9 +7,10 @@ use rayon::prelude::*;
 use super::Progress;
 use super::exponents::from;
 use super::orbits::is_bounded;
+use crate::backend::cpu::CpuBackend;
 use crate::backend::{Backend, BackendError, EndState, Slice, Stage, Sums};
 use crate::dynamics::stroboscope::{most_states, period_of, span_of};
-use crate::experiment::Settings;
+use crate::experiment::{Precision, Scheme, Settings};
 use crate::parameters::ParameterSet;
 
 /// An orbit has settled on the cycle that it ends on from where x and y stay this near to the cycle's, phase by phase. Cycles
@@ -54,11 +55,47 @@ pub fn confirming(settings: &Settings) -> u32 {
 }
 
 /// Follows the orbits of the instance `at` from the states `starts`, each (x, y), over `longest` forcing periods, and as many
-/// more as [`confirming`] tells. None if `progress` broke the work off.
+/// more as [`confirming`] tells; what is too stiff for taylor is left to radau. None if `progress` broke the work off.
 ///
 /// # Errors
 /// If the backend fails, or the scheme that was asked for does not carry the heat of the instance.
 pub fn follow(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    at: &ParameterSet,
+    starts: &[[f64; 2]],
+    longest: u32,
+    progress: &mut Progress<'_>,
+) -> Result<Option<Vec<Fate>>, BackendError> {
+    let Some(mut fates) = follow_by_one(backend, settings, at, starts, longest, progress)? else {
+        return Ok(None);
+    };
+    let given_up: Vec<usize> = (0..fates.len())
+        .filter(|&index| fates[index].end == End::GivenUp)
+        .collect();
+    if settings.scheme() != Scheme::Taylor || given_up.is_empty() {
+        return Ok(Some(fates));
+    }
+    let radau = Settings {
+        scheme: Some(Scheme::Radau),
+        steps_per_period: None,
+        ..settings.clone()
+    };
+    let starts: Vec<[f64; 2]> = given_up.iter().map(|&index| starts[index]).collect();
+    // they were reported as done before
+    let progress = &mut |_| progress(0);
+    let cpu = &mut CpuBackend::new(Precision::F64);
+    let Some(anew) = follow_by_one(cpu, &radau, at, &starts, longest, progress)? else {
+        return Ok(None);
+    };
+    for (index, fate) in given_up.into_iter().zip(anew) {
+        fates[index] = fate;
+    }
+    Ok(Some(fates))
+}
+
+/// As [`follow`], by the scheme of the settings alone.
+fn follow_by_one(
     backend: &mut dyn Backend,
     settings: &Settings,
     at: &ParameterSet,

@@ -8,7 +8,7 @@ use tribochaos::experiment::{Experiment, InitialBox, Settings};
 use tribochaos::grid::Coordinate;
 use tribochaos::machine::Scale;
 use tribochaos::output::sheet::Sheet;
-use tribochaos::output::{PROGRAM, caption, survival};
+use tribochaos::output::{PROGRAM, caption, charts, survival};
 use tribochaos::parameters::Parameter;
 use tribochaos::sweep::{Backends, Event, initial_states};
 
@@ -82,6 +82,8 @@ pub struct Estimate {
     decay: Decay,
     /// Of the motion before it settles, per unit of tau, and its standard error.
     exponent: Option<[f64; 2]>,
+    /// Whether that is above zero, by three standard errors.
+    is_chaotic: bool,
     given_up: usize,
     files: Files,
 }
@@ -108,12 +110,16 @@ impl Plan {
         let survival = Survival::of(&fates, longest);
         if survival.states() < LEAST_LEFT {
             return Err(Failure::Run(anyhow::anyhow!(
-                "{given_up} of {} initial states were given up as under-resolved, and tell no lifetime: use --scheme radau",
+                "{given_up} of {} initial states were given up as under-resolved, and tell no lifetime: set \
+                 parameters at which `tribochaos point` measures one",
                 starts.len()
             )));
         }
         let decay = survival.decay();
         let exponent = exponent(&fates, decay.start()).map(|of| of.map(|rate| rate / at.forcing_period()));
+        let is_chaotic = exponent.is_some_and(|[rate, error]| rate > 3.0 * error);
+        // an approach has no lifetime, whatever its times look like
+        let decay = if is_chaotic { decay } else { Decay::Other };
 
         let InitialBox { x, y } = settings.initial_box;
         let left_out = match given_up {
@@ -122,13 +128,11 @@ impl Plan {
         };
         let kind = backends.active().kind();
         let numerics = format!(
-            "{} initial states, drawn evenly from x {} to {} and y {} to {} (seed {}), followed over {longest} forcing periods. A state \
-             is no longer chaotic once it stays within {NEAR} of the cycle on which it ends. {left_out}{}, {}. {PROGRAM}.",
+            "{} initial states, drawn evenly from (x, y) = {} to {} (seed {}), followed over {longest} forcing periods. A state \
+             has settled once it stays within {NEAR} of the cycle on which it ends. {left_out}{}, {}. {PROGRAM}.",
             starts.len(),
-            x[0],
-            x[1],
-            y[0],
-            y[1],
+            charts::start([x[0], y[0]]),
+            charts::start([x[1], y[1]]),
             settings.seed,
             caption::scheme(settings),
             caption::integrated_on([kind].into_iter())
@@ -149,7 +153,9 @@ impl Plan {
         });
         files.table(
             "",
-            &["states still chaotic after so many forcing periods, until the next row; fitted: by the exponential fit".to_owned()],
+            &["states that have not settled after so many forcing periods, until the next row; fitted: their fraction by the \
+               exponential fit"
+                .to_owned()],
             ["periods", "states", "fraction", "fitted"],
             rows,
         )?;
@@ -157,6 +163,7 @@ impl Plan {
             survival,
             decay,
             exponent,
+            is_chaotic,
             given_up,
             files,
         })
@@ -164,11 +171,6 @@ impl Plan {
 }
 
 impl Estimate {
-    /// Whether the motion before it settles is chaotic, for all that is known.
-    fn is_chaotic(&self) -> bool {
-        self.exponent.is_some_and(|[rate, error]| rate > 3.0 * error)
-    }
-
     /// Prints `object` with the estimate in it.
     pub fn report_object(&self, mut object: Value, experiment: &Experiment) {
         let period = experiment.grid.point(0).forcing_period();
@@ -194,7 +196,7 @@ impl Estimate {
                 "start": start,
                 "left": left,
             }),
-            Decay::Other => json!({ "decay": "not exponential" }),
+            Decay::Other => json!({ "decay": if self.is_chaotic { "not exponential" } else { "no chaos" } }),
         };
         object["lifetime"] = decay;
         let of = &mut object["lifetime"];
@@ -204,9 +206,12 @@ impl Estimate {
         of["under_resolved"] = self.given_up.into();
         of["half_settled_by"] = self.survival.settled_by(0.5).into();
         of["all_settled_by"] = self.survival.settled_by(1.0).into();
-        of["is_chaotic"] = self.is_chaotic().into();
+        of["is_chaotic"] = self.is_chaotic.into();
         of["exponent"] = self.exponent.map(|[rate, _]| rate).into();
         of["exponent_error"] = self.exponent.map(|[_, error]| error).into();
+        if let (Decay::Exponential(fit), Some(machine)) = (self.decay, experiment.grid.fixed.machine()) {
+            object["si"]["lifetime_s"] = (machine.scales().time * period * fit.lifetime).into();
+        }
         self.files.report(Some(object));
     }
 
@@ -217,24 +222,27 @@ impl Estimate {
         let period = experiment.grid.point(0).forcing_period();
         say!();
         match self.decay {
-            Decay::Exponential(fit) if self.is_chaotic() => {
+            Decay::Exponential(fit) => {
+                // two digits of the error
+                let digits = (1.0 - fit.error.log10().floor()).max(0.0) as usize;
                 say!(
-                    "mean lifetime       {:.4} +- {:.2} forcing periods{}",
+                    "mean lifetime       {:.digits$} +- {:.digits$} forcing periods{}",
                     fit.lifetime,
                     fit.error,
                     si::behind(at, period * fit.lifetime, Scale::Time)
                 );
                 say!(
-                    "                    from period {} on, where {} of {states} initial states are left: {} settle, {} last beyond {longest}",
+                    "                    from period {} on, where {} of {states} initial states are left: {} settle, {} last \
+                     beyond {longest}",
                     fit.start,
                     fit.left,
                     fit.escapes,
                     survival.lasting
                 );
             }
-            Decay::Exponential(_) | Decay::Other => say!(
+            Decay::Other => say!(
                 "lifetime of chaos   none: {}; of {states} initial states half have settled after {}, all after {}",
-                if self.is_chaotic() {
+                if self.is_chaotic {
                     "the states do not decay exponentially"
                 } else {
                     "the states settle without chaos"
@@ -247,8 +255,8 @@ impl Estimate {
                 left,
                 least_lifetime,
             } => say!(
-                "mean lifetime       above {least_lifetime:.3e} forcing periods{} with 95 % confidence: of {states} initial states {left} are \
-                 left at period {start}, and none settles until {longest}",
+                "mean lifetime       above {least_lifetime:.2e} forcing periods{} with 95 % confidence: of {states} initial states \
+                 {left} are left at period {start}, and none settles until {longest}",
                 si::behind(at, period * least_lifetime, Scale::Time)
             ),
         }

@@ -1,11 +1,13 @@
-//! The panel of a decay: states that are still chaotic over time.
+//! The panel of a decay: states that have not settled over time.
 //!
 //! Owns what is drawn of it; estimates nothing.
 
 use super::charts::{BAND, FAINT, colour_of};
 use super::panel::{Layer, Panel, Scale, Stroke};
-use super::ticks::number;
 use crate::analysis::lifetime::{Decay, Survival};
+
+/// Least extent of the axis of states.
+const LEAST_DECADES: f64 = 0.5;
 
 /// Values of the fit's curve and band.
 const SAMPLES: u32 = 200;
@@ -13,7 +15,14 @@ const SAMPLES: u32 = 200;
 /// The fraction of the states that is left, on a logarithmic scale, with the exponential fit and its band.
 pub fn survival(survival: &Survival, decay: &Decay) -> Panel {
     let states = survival.states() as f64;
-    let decades = states.log10();
+    let least = survival
+        .steps()
+        .iter()
+        .map(|&(_, left)| left)
+        .filter(|&left| left > 0)
+        .min();
+    // down to the last that are left, and far enough for ticks
+    let decades = (states / least.unwrap_or(1) as f64).log10().max(LEAST_DECADES);
     let low = -1.05 * decades;
     // what falls to nothing leaves the frame
     let log = |left: f64| (left / states).log10().max(low - 1.0);
@@ -29,7 +38,7 @@ pub fn survival(survival: &Survival, decay: &Decay) -> Panel {
         curve.push([f64::from(time), log(left as f64)]);
     }
     let mut layers = vec![Layer::Curve {
-        name: "states that are still chaotic".to_owned(),
+        name: "states that have not settled".to_owned(),
         points: curve,
         stroke: Stroke::solid(colour_of(0), 2.0),
     }];
@@ -53,13 +62,18 @@ pub fn survival(survival: &Survival, decay: &Decay) -> Panel {
             points: times.map(|time| [time, fitted(time, 0.0)]).collect(),
             stroke: Stroke::dashed(colour_of(4), 1.6),
         });
-        if fit.start > 0 {
-            layers.push(Layer::Flag {
-                x: from,
-                words: format!("fitted from {}", number(from)),
-                stroke: Stroke::solid(FAINT, 1.0),
-            });
-        }
+    }
+    let flag = match decay {
+        Decay::Exponential(fit) => Some((fit.start, "fitted from here on")),
+        Decay::Lasting { start, .. } => Some((*start, "from here on no state settles")),
+        Decay::Other => None,
+    };
+    if let Some((start, words)) = flag {
+        layers.push(Layer::Flag {
+            x: start.into(),
+            words: words.to_owned(),
+            stroke: Stroke::solid(FAINT, 1.0),
+        });
     }
     Panel {
         title: String::new(),
@@ -89,6 +103,8 @@ mod tests {
         let panel = survival(&decaying, &decaying.decay());
         assert_eq!(panel.x.high, f64::from(quantile(999)));
         let lasting = svg(&Survival::new(Vec::new(), 500, 4000));
-        assert!(!lasting.contains("exponential fit") && lasting.contains("still chaotic"));
+        assert!(!lasting.contains("exponential fit") && lasting.contains("no state settles"));
+        // none is gone: the axis does not go down to a single state
+        assert!(lasting.contains(">0.5<") && !lasting.contains(">0.1<"));
     }
 }
