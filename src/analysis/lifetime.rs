@@ -207,6 +207,11 @@ impl Survival {
 }
 
 impl Fit {
+    /// Decimal places of the lifetime that show two digits of its error.
+    pub fn decimals(&self) -> usize {
+        (1.0 - self.error.log10().floor()).max(0.0) as usize
+    }
+
     /// States that are left after so many forcing periods by the fit, for a lifetime that differs by so many standard errors.
     pub fn left_after(&self, periods: f64, errors: f64) -> f64 {
         let lifetime = self.lifetime + errors * self.error;
@@ -323,6 +328,14 @@ mod tests {
         assert_eq!((fit.escapes, fit.left), (escapes, 1000));
         assert!((fit.lifetime / (lifetime - 0.5) - 1.0).abs() < 1e-4);
         assert!((fit.error / (lifetime / (escapes as f64).sqrt()) - 1.0).abs() < 1e-2);
+    }
+
+    #[test]
+    fn lifetimes_have_the_digits_that_their_errors_leave() {
+        let fit = Survival::new((1..=400).collect(), 0, 1000).fit(300).unwrap();
+        for (error, decimals) in [(0.034, 3), (5.7, 1), (12.0, 0), (4e5, 0)] {
+            assert_eq!(Fit { error, ..fit }.decimals(), decimals);
+        }
     }
 
     #[test]

@@ -128,7 +128,7 @@ impl Plan {
         };
         let kind = backends.active().kind();
         let numerics = format!(
-            "{} initial states, drawn evenly from (x, y) = {} to {} (seed {}), followed over {longest} forcing periods. A state \
+            "{} initial states, drawn uniformly from (x, y) = {} to {} (seed {}), followed over {longest} forcing periods. A state \
              has settled once it stays within {NEAR} of the cycle on which it ends. {left_out}{}, {}. {PROGRAM}.",
             starts.len(),
             charts::start([x[0], y[0]]),
@@ -223,8 +223,7 @@ impl Estimate {
         say!();
         match self.decay {
             Decay::Exponential(fit) => {
-                // two digits of the error
-                let digits = (1.0 - fit.error.log10().floor()).max(0.0) as usize;
+                let digits = fit.decimals();
                 say!(
                     "mean lifetime       {:.digits$} +- {:.digits$} forcing periods{}",
                     fit.lifetime,

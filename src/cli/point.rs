@@ -26,9 +26,9 @@ pub struct PointArgs {
     #[arg(long)]
     gram_schmidt: bool,
     #[command(flatten)]
-    lifetime: LifetimeArgs,
-    #[command(flatten)]
     out: OutArgs,
+    #[command(flatten)]
+    lifetime: LifetimeArgs,
 }
 
 const OUT_HELP: &str =

@@ -43,7 +43,7 @@ pub fn survival(survival: &Survival, decay: &Decay) -> Panel {
         stroke: Stroke::solid(colour_of(0), 2.0),
     }];
     if let Decay::Exponential(fit) = decay {
-        let from = f64::from(fit.start);
+        let (from, digits) = (f64::from(fit.start), fit.decimals());
         let times = (0..=SAMPLES).map(|k| from + (end - from) * f64::from(k) / f64::from(SAMPLES));
         let fitted = |time: f64, errors: f64| log(fit.left_after(time, errors));
         let band = times
@@ -58,7 +58,10 @@ pub fn survival(survival: &Survival, decay: &Decay) -> Panel {
             },
         );
         layers.push(Layer::Curve {
-            name: "exponential fit".to_owned(),
+            name: format!(
+                "exponential fit, mean lifetime {:.digits$} ± {:.digits$}",
+                fit.lifetime, fit.error
+            ),
             points: times.map(|time| [time, fitted(time, 0.0)]).collect(),
             stroke: Stroke::dashed(colour_of(4), 1.6),
         });
@@ -98,7 +101,7 @@ mod tests {
         let quantile = |k: u32| (-200.0 * (1.0 - (f64::from(k) + 0.5) / 1000.0).ln()).ceil() as u32;
         let decaying = Survival::new((0..1000).map(quantile).collect(), 0, 4000);
         let drawn = svg(&decaying);
-        assert!(drawn.contains("exponential fit") && drawn.contains(">0.001<"));
+        assert!(drawn.contains("exponential fit, mean lifetime ") && drawn.contains(">0.001<"));
         // until the last state has settled
         let panel = survival(&decaying, &decaying.decay());
         assert_eq!(panel.x.high, f64::from(quantile(999)));
