@@ -67,6 +67,9 @@ pub fn follow(
     longest: u32,
     progress: &mut Progress<'_>,
 ) -> Result<Option<Vec<Fate>>, BackendError> {
+    let settings = &settings
+        .for_model(at.is_rubbed())
+        .map_err(|error| BackendError::Unsupported(error.to_string()))?;
     let Some(mut fates) = follow_by_one(backend, settings, at, starts, longest, progress)? else {
         return Ok(None);
     };
@@ -79,6 +82,7 @@ pub fn follow(
     let radau = Settings {
         scheme: Some(Scheme::Radau),
         steps_per_period: None,
+        precision: Some(Precision::F64),
         ..settings.clone()
     };
     let starts: Vec<[f64; 2]> = given_up.iter().map(|&index| starts[index]).collect();
@@ -108,9 +112,7 @@ fn follow_by_one(
         transient_periods: 0,
         align_periods: 0,
         periods,
-        ..settings
-            .for_model(at.is_rubbed())
-            .map_err(|error| BackendError::Unsupported(error.to_string()))?
+        ..settings.clone()
     };
     let kept = (MOST_KEPT / periods as usize).max(LEAST_BATCH);
     let mut fates = Vec::with_capacity(starts.len());
