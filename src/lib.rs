@@ -13,7 +13,7 @@
 //! - [`map`]: measurements over two axes, and the border of chaos;
 //! - [`benchmark`]: points to time kernels on, and how exact they are;
 //! - [`sweep`]: from a grid to measurements, and the audit of maps;
-//! - [`analysis`]: orbits, bifurcation diagrams, sections, exponents over a line, thresholds;
+//! - [`analysis`]: orbits, bifurcation diagrams, sections, exponents over a line, thresholds, lifetimes of chaos;
 //! - [`output`]: stores, pictures and tables;
 //! - [`paper`]: the paper's figures and numbers, computed anew.
 //!

@@ -721,3 +721,88 @@ fn a_place_that_cannot_be_written_is_refused_before_any_work() {
         "nothing is left behind"
     );
 }
+
+#[test]
+fn point_tells_the_lifetime_of_chaos() {
+    let folder = TempDir::new().unwrap();
+    let at = [
+        "point",
+        "--set",
+        "zeta_k=4.67",
+        "--set",
+        "h1=0.28",
+        "--lifetime-periods",
+        "1000",
+    ];
+    let found = object(folder.path(), &[&at[..], &["--lifetime", "300", "--json"]].concat());
+    let lifetime = &found["lifetime"];
+    let number = |name: &str| lifetime[name].as_f64().unwrap();
+    assert_eq!(
+        (found["status"].as_str(), lifetime["decay"].as_str()),
+        (Some("ok"), Some("exponential"))
+    );
+    assert!((140.0..200.0).contains(&number("lifetime")) && number("ks_distance") < number("ks_limit"));
+    assert!((number("lifetime_tau") / number("lifetime") - std::f64::consts::PI).abs() < 1e-9);
+    let (names, rows) = table(&folder.path().join("outputs/lifetime.csv"));
+    assert_eq!(names, "periods,states,fraction,fitted");
+    assert_eq!(rows[0][..3], [0.0, 300.0, 1.0]);
+    let last = &rows[rows.len() - 1];
+    assert_eq!(last[..2], [1000.0, number("lasting")]);
+    let from = rows.iter().find(|row| row[0] == number("start")).unwrap();
+    assert_eq!((from[1], from[3]), (number("left"), from[2]));
+
+    let said = run(folder.path(), &[&at[..], &["--lifetime", "300"]].concat());
+    assert!(said.contains("class ") && said.contains("mean lifetime") && said.contains("wrote outputs/lifetime.png"));
+    assert_refused(
+        folder.path(),
+        &[&at[..], &["--lifetime", "400"]].concat(),
+        "shows something else",
+    );
+}
+
+#[test]
+fn point_says_where_chaos_has_no_lifetime() {
+    let folder = TempDir::new().unwrap();
+    let of = |zeta_k: &str| {
+        let args = [
+            "point",
+            "--set",
+            zeta_k,
+            "--lifetime",
+            "100",
+            "--lifetime-periods",
+            "300",
+            "--force",
+        ];
+        run(folder.path(), &args)
+    };
+    let lasting = of("zeta_k=3.9");
+    assert!(
+        lasting.contains("with 95 % confidence") && lasting.contains("none settles until 300"),
+        "{lasting}"
+    );
+    let regular = of("zeta_k=3.5");
+    assert!(regular.contains("the states settle without chaos"), "{regular}");
+}
+
+#[test]
+fn lifetimes_without_a_meaning_are_refused() {
+    let folder = TempDir::new().unwrap();
+    for (args, reason) in [
+        (&["--lifetime", "10"][..], "100..=100000"),
+        (&["--lifetime", "--lifetime-periods", "10"], "100..=200000"),
+        (&["--lifetime-periods", "1000"], "--lifetime"),
+        (&["--out", "x"], "--lifetime"),
+        (&["--lifetime", "100000", "--lifetime-periods", "20000"], "fewer states"),
+        (&["--lifetime", "--set", "zeta_k=0"], "without a drive"),
+        (&["--lifetime", "--preset", "paper"], "set k_w = 0"),
+        (&["--lifetime", "--out", "folder/"], "names no file"),
+    ] {
+        assert_refused(folder.path(), &[&["point"], args].concat(), reason);
+    }
+    assert_eq!(
+        fs::read_dir(folder.path()).unwrap().count(),
+        0,
+        "nothing is left behind"
+    );
+}

@@ -1,4 +1,5 @@
-//! Analyses of the motion beside maps: orbits, bifurcation diagrams, sections, exponents over a line, thresholds.
+//! Analyses of the motion beside maps: orbits, bifurcation diagrams, sections, exponents over a line, thresholds, lifetimes of
+//! chaos.
 //!
 //! Owns what is computed and in which order; integrates through [`crate::backend`] and [`crate::dynamics`] alone, and neither
 //! draws nor prints.
@@ -6,11 +7,13 @@
 pub mod bifurcation;
 mod contour;
 pub mod exponents;
+pub mod lifetime;
 pub mod melnikov;
 pub mod onset;
 pub mod orbits;
 pub mod path;
 pub mod section;
+pub mod settling;
 
 use std::ops::ControlFlow;
 

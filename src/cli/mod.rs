@@ -23,6 +23,7 @@ mod bench;
 mod bifurcation;
 mod devices;
 mod history;
+mod lifetime;
 mod lyapunov;
 mod machine;
 mod map;

@@ -9,23 +9,31 @@ use tribochaos::measurement::{Measurement, Status, is_scheme_to_blame};
 use tribochaos::parameters::Parameter;
 use tribochaos::sweep::{Backends, choice};
 
+use super::analysis::OutArgs;
+use super::lifetime::LifetimeArgs;
 use super::request::{self, ExperimentArgs};
 use super::{Failure, analysis, progress, report, si};
 
 /// One point is integrated on the CPU unless a GPU is asked for, since it would not fill one.
 #[derive(Args)]
 #[command(after_help = request::help())]
+#[command(mut_arg("out", |arg| arg.requires("lifetime").help(OUT_HELP)))]
+#[command(mut_arg("force", |arg| arg.requires("lifetime")))]
 pub struct PointArgs {
     #[command(flatten)]
     experiment: ExperimentArgs,
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
     /// Tell all three exponents by the paper's procedure as well: three tangent vectors, orthonormalised by Gram and Schmidt in
     /// steps of rk4 (at constant pressure; takes many times as long)
     #[arg(long)]
     gram_schmidt: bool,
+    #[command(flatten)]
+    out: OutArgs,
+    #[command(flatten)]
+    lifetime: LifetimeArgs,
 }
+
+const OUT_HELP: &str =
+    "What the names of the drawing and the table of --lifetime begin with [default: outputs/lifetime]";
 
 pub fn run(args: &PointArgs) -> Result<(), Failure> {
     let mut request = Request::default();
@@ -39,6 +47,7 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
     for warning in experiment.warnings() {
         eprintln!("warning: {warning}");
     }
+    let plan = args.lifetime.plan(&experiment, &args.out)?;
     let mut backends = choice::choose(&experiment).map_err(Failure::backend)?.backends;
     progress::catch_interrupt();
     let measured = backends
@@ -59,15 +68,25 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
     for warning in &beyond {
         eprintln!("warning: {warning}");
     }
-    if args.json {
+    let lifetime = plan
+        .map(|plan| plan.carry_out(&experiment, &mut backends))
+        .transpose()?;
+    if args.out.json {
         let warnings = experiment.warnings().into_iter().chain(beyond);
-        say!("{:#}", object(&experiment, m, spectrum.as_ref(), warnings.collect()));
-    } else {
-        let by_default = match m.status {
-            Status::UnderResolved => by_default(&experiment)?,
-            Status::Ok | Status::Runaway { .. } => None,
-        };
-        print(&experiment, m, by_default.as_ref(), spectrum.as_ref());
+        let object = object(&experiment, m, spectrum.as_ref(), warnings.collect());
+        match lifetime {
+            Some(lifetime) => lifetime.report_object(object, &experiment),
+            None => say!("{object:#}"),
+        }
+        return Ok(());
+    }
+    let by_default = match m.status {
+        Status::UnderResolved => by_default(&experiment)?,
+        Status::Ok | Status::Runaway { .. } => None,
+    };
+    print(&experiment, m, by_default.as_ref(), spectrum.as_ref());
+    if let Some(lifetime) = lifetime {
+        lifetime.report(&experiment);
     }
     Ok(())
 }

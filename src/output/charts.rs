@@ -280,7 +280,7 @@ pub fn bifurcation(title: &str, diagram: &Diagram, component: Component, limits:
 }
 
 /// Standard errors that a band is wide to either side.
-const BAND: f64 = 2.0;
+pub(super) const BAND: f64 = 2.0;
 
 /// The exponents over the axis of a line, with error bands and marked values, each with its name; in 1/s where there is a machine, by the
 /// machine of each point. With heat there is no second one, and one of finite time has no error: what is nowhere on the line

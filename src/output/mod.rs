@@ -25,6 +25,7 @@ mod raster;
 mod samples;
 pub mod sheet;
 pub mod store;
+pub mod survival;
 mod svg;
 pub mod table;
 mod text;

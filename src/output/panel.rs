@@ -9,7 +9,7 @@ use super::density::Density;
 use super::figure::FigureError;
 use super::svg::{hex, line, upright, words};
 use super::text::{widest, width, wrap};
-use super::ticks::{Tick, ticks};
+use super::ticks::{Tick, decades, ticks};
 
 /// One axis: its words and its ends.
 #[derive(Clone, Debug)]
@@ -21,6 +21,8 @@ pub struct Scale {
     pub is_bare: bool,
     /// Whether no value tells where the ends are: there are no ticks.
     pub is_blank: bool,
+    /// Whether values are decadic logarithms of what the ticks say.
+    pub is_logarithmic: bool,
 }
 
 impl Scale {
@@ -31,6 +33,15 @@ impl Scale {
             high,
             is_bare: false,
             is_blank: false,
+            is_logarithmic: false,
+        }
+    }
+
+    /// A logarithmic scale, between the decadic logarithms of two values.
+    pub fn logarithmic(label: &str, low: f64, high: f64) -> Self {
+        Self {
+            is_logarithmic: true,
+            ..Self::new(label, low, high)
         }
     }
 
@@ -516,6 +527,9 @@ fn x_ticks(scale: &Scale, length: f64) -> Vec<Tick> {
 fn y_ticks(scale: &Scale, length: f64) -> Vec<Tick> {
     if scale.is_blank {
         return Vec::new();
+    }
+    if scale.is_logarithmic {
+        return decades(scale.low, scale.high);
     }
     let comfortable = ((length / 48.0) as usize).max(2);
     let closest = ((length / (1.5 * TICK_SIZE)) as usize).max(comfortable);

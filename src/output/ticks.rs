@@ -36,6 +36,20 @@ pub fn ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
         .collect()
 }
 
+/// Ticks of a logarithmic axis between two decadic logarithms: powers of ten, or 1, 2 and 5 times them where there are few.
+pub fn decades(low: f64, high: f64) -> Vec<Tick> {
+    let factors: &[f64] = if high - low > 2.5 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+    let powers = low.floor() as i32..=high.ceil() as i32;
+    powers
+        .flat_map(|power| factors.iter().map(move |factor| (power, *factor)))
+        .map(|(power, factor)| Tick {
+            value: f64::from(power) + factor.log10(),
+            label: number(rounded(factor * 10f64.powi(power))),
+        })
+        .filter(|tick| (low..=high).contains(&tick.value))
+        .collect()
+}
+
 /// The least of 1, 2, 5 times a power of ten that is `least` or more.
 pub fn round_step(least: f64) -> f64 {
     let power = 10f64.powf(least.log10().floor());
@@ -123,6 +137,19 @@ mod tests {
 
     fn labels(low: f64, high: f64, most: usize) -> Vec<String> {
         ticks(low, high, most).into_iter().map(|tick| tick.label).collect()
+    }
+
+    #[test]
+    fn decades_are_powers_of_ten_and_parts_of_few() {
+        let labels = |low, high| {
+            decades(low, high)
+                .into_iter()
+                .map(|tick| tick.label)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(labels(-3.1, 0.1), ["0.001", "0.01", "0.1", "1"]);
+        assert_eq!(labels(-1.1, 0.1), ["0.1", "0.2", "0.5", "1"]);
+        assert_eq!(decades(-1.0, 0.0)[1].value, 0.2f64.log10());
     }
 
     #[test]

@@ -12,6 +12,7 @@ mod edges;
 mod exponents;
 mod heat_modes;
 mod lanes;
+mod lifetime;
 mod oracle;
 mod periods;
 mod rubbed;

@@ -1,0 +1,305 @@
+//! When orbits settle on a regular attractor.
+//!
+//! Owns what "still chaotic" means of an orbit that is followed to its end; makes no statistics of it.
+
+use rayon::prelude::*;
+
+use super::Progress;
+use super::exponents::from;
+use super::orbits::is_bounded;
+use crate::backend::cpu::CpuBackend;
+use crate::backend::{Backend, BackendError, EndState, Slice, Stage, Sums};
+use crate::dynamics::stroboscope::{most_states, period_of, span_of};
+use crate::experiment::{Precision, Scheme, Settings};
+use crate::parameters::ParameterSet;
+
+/// An orbit has settled on the cycle that it ends on from where x and y stay this near to the cycle's, phase by phase. Cycles
+/// and chaos are of size 1; nearer, what is counted would be the approach.
+pub const NEAR: f64 = 1e-2;
+
+/// An orbit that ends on no cycle is still chaotic where a disturbance will grow by more than e to this power: on a torus its
+/// growth swings by less, and chaos grows by more within some tens of periods.
+pub const SWING: f64 = 3.0;
+
+/// Periods in which the first vector turns to its direction, whose growth is not counted.
+const ALIGNING: usize = 16;
+
+/// Most states that are kept at a time: 24 bytes each.
+const MOST_KEPT: usize = 1 << 23;
+
+/// Orbits that fill the lanes of some cores.
+const LEAST_BATCH: usize = 64;
+
+/// How an orbit fared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End {
+    /// Settled on a regular attractor, or ran away, after so many whole forcing periods, and not before.
+    Settled(u32),
+    /// Had not settled after all periods.
+    Lasting,
+    /// The scheme gave it up as under-resolved: nothing is known of it.
+    GivenUp,
+}
+
+/// An orbit, followed.
+#[derive(Clone, Copy, Debug)]
+pub struct Fate {
+    pub end: End,
+    /// Logarithm of the growth of a tangent vector before the orbit settled, and the forcing periods over which it grew.
+    pub growth: [f64; 2],
+}
+
+/// Forcing periods that orbits are followed beyond the longest time, in which they show what they have settled on.
+pub fn confirming(settings: &Settings) -> u32 {
+    2 * most_states(settings.max_period)
+}
+
+/// Follows the orbits of the instance `at` from the states `starts`, each (x, y), over `longest` forcing periods, and as many
+/// more as [`confirming`] tells; what is too stiff for taylor is left to radau. None if `progress` broke the work off.
+///
+/// # Errors
+/// If the backend fails, or the scheme that was asked for does not carry the heat of the instance.
+pub fn follow(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    at: &ParameterSet,
+    starts: &[[f64; 2]],
+    longest: u32,
+    progress: &mut Progress<'_>,
+) -> Result<Option<Vec<Fate>>, BackendError> {
+    let settings = &settings
+        .for_model(at.is_rubbed())
+        .map_err(|error| BackendError::Unsupported(error.to_string()))?;
+    let Some(mut fates) = follow_by_one(backend, settings, at, starts, longest, progress)? else {
+        return Ok(None);
+    };
+    let given_up: Vec<usize> = (0..fates.len())
+        .filter(|&index| fates[index].end == End::GivenUp)
+        .collect();
+    if settings.scheme() != Scheme::Taylor || given_up.is_empty() {
+        return Ok(Some(fates));
+    }
+    let radau = Settings {
+        scheme: Some(Scheme::Radau),
+        steps_per_period: None,
+        precision: Some(Precision::F64),
+        ..settings.clone()
+    };
+    let starts: Vec<[f64; 2]> = given_up.iter().map(|&index| starts[index]).collect();
+    // they were reported as done before
+    let progress = &mut |_| progress(0);
+    let cpu = &mut CpuBackend::new(Precision::F64);
+    let Some(anew) = follow_by_one(cpu, &radau, at, &starts, longest, progress)? else {
+        return Ok(None);
+    };
+    for (index, fate) in given_up.into_iter().zip(anew) {
+        fates[index] = fate;
+    }
+    Ok(Some(fates))
+}
+
+/// As [`follow`], by the scheme of the settings alone.
+fn follow_by_one(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    at: &ParameterSet,
+    starts: &[[f64; 2]],
+    longest: u32,
+    progress: &mut Progress<'_>,
+) -> Result<Option<Vec<Fate>>, BackendError> {
+    let periods = longest + confirming(settings);
+    let settings = &Settings {
+        transient_periods: 0,
+        align_periods: 0,
+        periods,
+        ..settings.clone()
+    };
+    let kept = (MOST_KEPT / periods as usize).max(LEAST_BATCH);
+    let mut fates = Vec::with_capacity(starts.len());
+    for batch in starts.chunks(backend.batch_size(settings).min(kept)) {
+        let instances: Vec<ParameterSet> = batch.iter().map(|&start| from(at, start)).collect();
+        backend.load(settings, &instances)?;
+        let mut tracks: Vec<Track> = batch.iter().map(|&start| Track::new(start, periods)).collect();
+        for first in 0..periods {
+            backend.advance(&Slice {
+                stage: Stage::Measure,
+                first,
+                periods: 1,
+                elapsed: first,
+            })?;
+            let (sums, ends) = (backend.collect()?, backend.end_states()?);
+            for (track, (sums, end)) in tracks.iter_mut().zip(sums.iter().zip(&ends)) {
+                track.add(sums, end);
+            }
+            if progress(batch.len() as u64).is_break() {
+                return Ok(None);
+            }
+        }
+        fates.par_extend(tracks.par_iter().map(|track| track.fate(settings, longest)));
+    }
+    Ok(Some(fates))
+}
+
+/// What was recorded of an orbit at drive phase 0, from its start.
+struct Track {
+    states: Vec<[f64; 2]>,
+    /// Logarithm of the growth of a tangent vector since the start.
+    growth: Vec<f64>,
+    /// Where it ran away or was given up.
+    lost: Option<End>,
+}
+
+impl Track {
+    fn new(start: [f64; 2], periods: u32) -> Self {
+        let with = |capacity: u32| capacity as usize + 1;
+        let (mut states, mut growth) = (Vec::with_capacity(with(periods)), Vec::with_capacity(with(periods)));
+        states.push(start);
+        growth.push(0.0);
+        Self {
+            states,
+            growth,
+            lost: None,
+        }
+    }
+
+    fn add(&mut self, sums: &Sums, end: &EndState) {
+        if self.lost.is_some() {
+            return;
+        }
+        if is_bounded(end) {
+            self.states.push([end.x, end.y]);
+            self.growth.push(self.growth[self.growth.len() - 1] + sums.growth[0]);
+        } else if end.under_resolved {
+            self.lost = Some(End::GivenUp);
+        } else {
+            self.lost = Some(End::Settled(self.states.len() as u32));
+        }
+    }
+
+    fn fate(&self, settings: &Settings, longest: u32) -> Fate {
+        let end = self.lost.unwrap_or_else(|| End::Settled(self.settled(settings)));
+        let end = match end {
+            End::Settled(periods) if periods > longest => End::Lasting,
+            end => end,
+        };
+        let last = match end {
+            End::Settled(periods) => periods,
+            End::Lasting => longest,
+            End::GivenUp => 0,
+        };
+        let last = (last as usize).min(self.growth.len() - 1);
+        let growth = if last > ALIGNING {
+            [self.growth[last] - self.growth[ALIGNING], (last - ALIGNING) as f64]
+        } else {
+            [0.0; 2]
+        };
+        Fate { end, growth }
+    }
+
+    /// Forcing periods after which the orbit has settled on what it ends on.
+    fn settled(&self, settings: &Settings) -> u32 {
+        let last = self.states.len() - 1;
+        let away = match self.cycle(settings) {
+            // the phase is that of the end
+            Some(period) => (0..last).rev().find(|n| {
+                let (state, settled) = (self.states[*n], self.states[last - (last - n) % period]);
+                (0..2).any(|i| (state[i] - settled[i]).abs() > NEAR)
+            }),
+            None => {
+                let mut most = f64::NEG_INFINITY;
+                (0..=last).rev().find(|n| {
+                    most = most.max(self.growth[*n]);
+                    most - self.growth[*n] > SWING
+                })
+            }
+        };
+        away.map_or(0, |n| n as u32 + 1)
+    }
+
+    /// The period of the attracting cycle that the orbit ends on, as measurements have it.
+    fn cycle(&self, settings: &Settings) -> Option<usize> {
+        let window = most_states(settings.max_period);
+        let last = self.states.len() - 1;
+        let tail = &self.states[last + 1 - window as usize..];
+        let period = period_of(window, settings.max_period, |n, before| {
+            let (state, earlier) = (tail[n as usize], tail[before as usize]);
+            (0..2).all(|i| (state[i] - earlier[i]).abs() < settings.period_tolerance)
+        })?;
+        // a laminar phase of chaos can pass for a cycle, but does not attract
+        let turns = span_of(period, window) / period;
+        let attracts = self.growth[last] < self.growth[last - (turns * period) as usize];
+        attracts.then_some(period as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The fate of an orbit whose state and growth after n periods are given.
+    fn fate(longest: u32, of: impl Fn(u32) -> ([f64; 2], f64)) -> End {
+        let settings = Settings::default();
+        let mut track = Track::new(of(0).0, 0);
+        for n in 1..=longest + confirming(&settings) {
+            let (state, growth) = of(n);
+            track.states.push(state);
+            track.growth.push(growth);
+        }
+        track.fate(&settings, longest).end
+    }
+
+    /// States that never repeat, within 1 of the origin.
+    fn wandering(n: u32) -> [f64; 2] {
+        [(1.7 * f64::from(n * n)).sin(), f64::from(n).sin()]
+    }
+
+    #[test]
+    fn a_cycle_is_dated_to_the_period() {
+        let cycle = |n: u32| [0.3 * f64::from(n % 3), 0.5];
+        let chaos_until = |at: u32| {
+            move |n: u32| {
+                if n < at {
+                    (wandering(n), 0.3 * f64::from(n))
+                } else {
+                    (cycle(n), -0.2 * f64::from(n))
+                }
+            }
+        };
+        for at in [1, 2, 17, 400, 490] {
+            assert_eq!(fate(500, chaos_until(at)), End::Settled(at));
+        }
+        for at in [501, 560, 10_000] {
+            assert_eq!(fate(500, chaos_until(at)), End::Lasting);
+        }
+        // the approach to the cycle, 0.9^n, counts until it is near
+        let approach = |n: u32| ([0.9f64.powi(n as i32), 0.0], -0.1 * f64::from(n));
+        assert_eq!(
+            fate(500, approach),
+            End::Settled((NEAR.ln() / 0.9f64.ln()).ceil() as u32)
+        );
+        // the same states in another order of phases are not yet those of the cycle
+        let shifted = |n: u32| (cycle(if n < 100 { n + 1 } else { n }), -0.2 * f64::from(n));
+        assert_eq!(fate(500, shifted), End::Settled(100));
+    }
+
+    #[test]
+    fn what_repeats_but_repels_is_no_end() {
+        assert_eq!(fate(500, |n| ([0.5; 2], 0.1 * f64::from(n))), End::Lasting);
+    }
+
+    #[test]
+    fn a_torus_is_dated_by_growth() {
+        let torus = |n: u32| [f64::from(n).sin(), f64::from(n).cos()];
+        let swing = |n: u32| (0.7 * f64::from(n)).sin();
+        let End::Settled(at) = fate(500, |n| {
+            let growth = 0.2 * f64::from(n.min(300)) + swing(n);
+            (if n < 300 { wandering(n) } else { torus(n) }, growth)
+        }) else {
+            panic!("a torus is an end")
+        };
+        // by as much earlier as SWING takes to grow
+        assert!((270..=300).contains(&at), "{at}");
+        assert_eq!(fate(500, |n| (torus(n), swing(n))), End::Settled(0));
+        assert_eq!(fate(500, |n| (torus(n), 0.05 * f64::from(n))), End::Lasting);
+    }
+}

@@ -1,0 +1,277 @@
+//! `point --lifetime`: how long chaos lasts from many initial states.
+
+use clap::Args;
+use serde_json::{Value, json};
+use tribochaos::analysis::lifetime::{Decay, LEAST_LEFT, Survival, exponent};
+use tribochaos::analysis::settling::{self, End, NEAR};
+use tribochaos::experiment::{Experiment, InitialBox, Settings};
+use tribochaos::grid::Coordinate;
+use tribochaos::machine::Scale;
+use tribochaos::output::sheet::Sheet;
+use tribochaos::output::{PROGRAM, caption, charts, survival};
+use tribochaos::parameters::Parameter;
+use tribochaos::sweep::{Backends, Event, initial_states};
+
+use super::analysis::{self, Files, OutArgs};
+use super::progress::Progress;
+use super::{Failure, si};
+
+#[derive(Args)]
+#[command(next_help_heading = "Lifetime of chaos")]
+pub struct LifetimeArgs {
+    /// Estimate how long chaos lasts: from many initial states of the initial box, by which time each has settled on a regular
+    /// attractor. Writes a drawing and a table
+    #[arg(long, value_name = "STATES", num_args = 0..=1, default_missing_value = "1000",
+          value_parser = clap::value_parser!(u32).range(100..=100_000))]
+    lifetime: Option<u32>,
+    /// Forcing periods over which the states are followed [default: 4000]
+    #[arg(long, value_name = "PERIODS", requires = "lifetime", value_parser = clap::value_parser!(u32).range(100..=200_000))]
+    lifetime_periods: Option<u32>,
+}
+
+const DEFAULT_PERIODS: u32 = 4000;
+
+/// A quarter of an hour on two cores.
+const MOST_INSTANCE_PERIODS: u64 = 1_000_000_000;
+
+/// What is to be followed, with the files that it goes into.
+pub struct Plan {
+    starts: Vec<[f64; 2]>,
+    longest: u32,
+    files: Files,
+}
+
+impl LifetimeArgs {
+    /// What was asked for, if anything was; claims the files.
+    ///
+    /// # Errors
+    /// If there is no chaos that could end, it would take too long, or the files are those of something else.
+    pub fn plan(&self, experiment: &Experiment, out: &OutArgs) -> Result<Option<Plan>, Failure> {
+        let Some(states) = self.lifetime else {
+            return Ok(None);
+        };
+        analysis::check_lasting(experiment.wears())?;
+        if !experiment.grid.point(0).is_driven() {
+            return Err(Failure::Input(anyhow::anyhow!(
+                "without a drive (zeta_k = 0, or no friction) there is no chaos whose lifetime could be told: leave --lifetime out"
+            )));
+        }
+        let longest = self.lifetime_periods.unwrap_or(DEFAULT_PERIODS);
+        let instance_periods = u64::from(states) * u64::from(longest);
+        if instance_periods > MOST_INSTANCE_PERIODS {
+            return Err(Failure::Input(anyhow::anyhow!(
+                "{states} states over {longest} periods are {instance_periods} periods to go through (at most \
+                 {MOST_INSTANCE_PERIODS}): give --lifetime fewer states, or --lifetime-periods less"
+            )));
+        }
+        // (x0, y0) comes besides, and is not of the box
+        let starts = initial_states::offsets(&Settings {
+            initial_states: states + 1,
+            ..experiment.settings.clone()
+        });
+        let options = json!({ "states": states, "periods": longest });
+        let recipe = analysis::recipe("point --lifetime", experiment, options);
+        let files = Files::claim(out, "outputs/lifetime", &[""], recipe)?;
+        Ok(Some(Plan { starts, longest, files }))
+    }
+}
+
+/// What came of it.
+pub struct Estimate {
+    survival: Survival,
+    decay: Decay,
+    /// Of the motion before it settles, per unit of tau, and its standard error.
+    exponent: Option<[f64; 2]>,
+    /// Whether that is above zero, by three standard errors.
+    is_chaotic: bool,
+    given_up: usize,
+    files: Files,
+}
+
+impl Plan {
+    /// Follows the states, and draws.
+    pub fn carry_out(self, experiment: &Experiment, backends: &mut Backends) -> Result<Estimate, Failure> {
+        let Self {
+            starts,
+            longest,
+            mut files,
+        } = self;
+        let settings = &experiment.settings;
+        let at = experiment.grid.point(0);
+        let periods = u64::from(longest + settling::confirming(settings));
+        let bar = Progress::new(starts.len() as u64 * periods, starts.len());
+        let fates = settling::follow(backends.active_mut(), settings, &at, &starts, longest, &mut |periods| {
+            bar.hear(Event::Advanced(periods))
+        })
+        .map_err(Failure::backend)?
+        .ok_or_else(|| Failure::Interrupted("nothing is drawn".into()))?;
+        drop(bar);
+        let given_up = fates.iter().filter(|fate| fate.end == End::GivenUp).count();
+        let survival = Survival::of(&fates, longest);
+        if survival.states() < LEAST_LEFT {
+            return Err(Failure::Run(anyhow::anyhow!(
+                "{given_up} of {} initial states were given up as under-resolved, and tell no lifetime: set \
+                 parameters at which `tribochaos point` measures one",
+                starts.len()
+            )));
+        }
+        let decay = survival.decay();
+        let exponent = exponent(&fates, decay.start()).map(|of| of.map(|rate| rate / at.forcing_period()));
+        let is_chaotic = exponent.is_some_and(|[rate, error]| rate > 3.0 * error);
+        // an approach has no lifetime, whatever its times look like
+        let decay = if is_chaotic { decay } else { Decay::Other };
+
+        let InitialBox { x, y } = settings.initial_box;
+        let left_out = match given_up {
+            0 => String::new(),
+            given_up => format!("{given_up} states that were given up as under-resolved are left out. "),
+        };
+        let kind = backends.active().kind();
+        let numerics = format!(
+            "{} initial states, drawn uniformly from (x, y) = {} to {} (seed {}), followed over {longest} forcing periods. A state \
+             has settled once it stays within {NEAR} of the cycle on which it ends. {left_out}{}, {}. {PROGRAM}.",
+            starts.len(),
+            charts::start([x[0], y[0]]),
+            charts::start([x[1], y[1]]),
+            settings.seed,
+            caption::scheme(settings),
+            caption::integrated_on([kind].into_iter())
+        );
+        let start: [Coordinate; 2] = [Parameter::X0.into(), Parameter::Y0.into()];
+        let caption = vec![caption::fixed(&experiment.grid.fixed, &start), numerics];
+        let figure = Sheet::single(survival::survival(&survival, &decay), caption)
+            .draw()
+            .map_err(Failure::run)?;
+        files.draw("", &figure, "Lifetime of chaos of the bush-shaft system")?;
+        let rows = survival.steps().into_iter().map(|(time, left)| {
+            let fitted = match decay {
+                Decay::Exponential(fit) if time >= fit.start => fit.left_after(f64::from(time), 0.0),
+                _ => f64::NAN,
+            };
+            let states = survival.states() as f64;
+            [f64::from(time), left as f64, left as f64 / states, fitted / states]
+        });
+        files.table(
+            "",
+            &["states that have not settled after so many forcing periods, until the next row; fitted: their fraction by the \
+               exponential fit"
+                .to_owned()],
+            ["periods", "states", "fraction", "fitted"],
+            rows,
+        )?;
+        Ok(Estimate {
+            survival,
+            decay,
+            exponent,
+            is_chaotic,
+            given_up,
+            files,
+        })
+    }
+}
+
+impl Estimate {
+    /// Prints `object` with the estimate in it.
+    pub fn report_object(&self, mut object: Value, experiment: &Experiment) {
+        let period = experiment.grid.point(0).forcing_period();
+        let decay = match self.decay {
+            Decay::Exponential(fit) => json!({
+                "decay": "exponential",
+                "lifetime": fit.lifetime,
+                "lifetime_error": fit.error,
+                "lifetime_tau": period * fit.lifetime,
+                "start": fit.start,
+                "left": fit.left,
+                "escapes": fit.escapes,
+                "ks_distance": fit.distance,
+                "ks_limit": fit.distance_limit,
+            }),
+            Decay::Lasting {
+                start,
+                left,
+                least_lifetime,
+            } => json!({
+                "decay": "none",
+                "least_lifetime": least_lifetime,
+                "start": start,
+                "left": left,
+            }),
+            Decay::Other => json!({ "decay": if self.is_chaotic { "not exponential" } else { "no chaos" } }),
+        };
+        object["lifetime"] = decay;
+        let of = &mut object["lifetime"];
+        of["states"] = self.survival.states().into();
+        of["periods"] = self.survival.longest.into();
+        of["lasting"] = self.survival.lasting.into();
+        of["under_resolved"] = self.given_up.into();
+        of["half_settled_by"] = self.survival.settled_by(0.5).into();
+        of["all_settled_by"] = self.survival.settled_by(1.0).into();
+        of["is_chaotic"] = self.is_chaotic.into();
+        of["exponent"] = self.exponent.map(|[rate, _]| rate).into();
+        of["exponent_error"] = self.exponent.map(|[_, error]| error).into();
+        if let (Decay::Exponential(fit), Some(machine)) = (self.decay, experiment.grid.fixed.machine()) {
+            object["si"]["lifetime_s"] = (machine.scales().time * period * fit.lifetime).into();
+        }
+        self.files.report(Some(object));
+    }
+
+    pub fn report(&self, experiment: &Experiment) {
+        let survival = &self.survival;
+        let (states, longest) = (survival.states(), survival.longest);
+        let at = &experiment.grid.fixed;
+        let period = experiment.grid.point(0).forcing_period();
+        say!();
+        match self.decay {
+            Decay::Exponential(fit) => {
+                let digits = fit.decimals();
+                say!(
+                    "mean lifetime       {:.digits$} +- {:.digits$} forcing periods{}",
+                    fit.lifetime,
+                    fit.error,
+                    si::behind(at, period * fit.lifetime, Scale::Time)
+                );
+                say!(
+                    "                    from period {} on, where {} of {states} initial states are left: {} settle, {} last \
+                     beyond {longest}",
+                    fit.start,
+                    fit.left,
+                    fit.escapes,
+                    survival.lasting
+                );
+            }
+            Decay::Other => say!(
+                "lifetime of chaos   none: {}; of {states} initial states half have settled after {}, all after {}",
+                if self.is_chaotic {
+                    "the states do not decay exponentially"
+                } else {
+                    "the states settle without chaos"
+                },
+                by(survival.settled_by(0.5), longest),
+                by(survival.settled_by(1.0), longest)
+            ),
+            Decay::Lasting {
+                start,
+                left,
+                least_lifetime,
+            } => say!(
+                "mean lifetime       above {least_lifetime:.2e} forcing periods{} with 95 % confidence: of {states} initial states \
+                 {left} are left at period {start}, and none settles until {longest}",
+                si::behind(at, period * least_lifetime, Scale::Time)
+            ),
+        }
+        if let Some([rate, error]) = self.exponent {
+            say!("exponent until then {rate:.6} +- {error:.6}  (of the motion before it settles)");
+        }
+        if self.given_up > 0 {
+            say!("left out            {} initial states, under-resolved", self.given_up);
+        }
+        self.files.report(None);
+    }
+}
+
+/// When states have settled.
+fn by(periods: Option<u32>, longest: u32) -> String {
+    periods.map_or(format!("more than {longest} periods"), |periods| {
+        format!("{periods} periods")
+    })
+}
