@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use super::evaluation::{checked, is_resolved};
+use super::evaluation::{checked, is_resolved, scheme_error};
 use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
 use crate::dynamics::divergence_check::CHECKED_EVERY;
 use crate::dynamics::floquet::{Multipliers, Turn};
@@ -205,9 +205,9 @@ impl Track {
         let exponents = [0, 1].map(|i| (moduli[i] + to_come * (moduli[i] - before.log_moduli()[i])) / turn_time);
         let approach = (exponents[0] * turn_time).exp_m1().abs();
         let changes = [0, 1].map(|i| (before.log_moduli()[i] - moduli[i]).abs() / turn_time / approach);
-        // what the sum misses, the scheme may have missed of either
         let defect = self.defect / turn_time;
-        let errors = changes.map(|change| change + defect.abs());
+        let missed = scheme_error(defect);
+        let errors = changes.map(|change| change + missed);
         let distance_from_one = last.distance_from_one();
         let left_to_go = self.moved() / distance_from_one;
         let class = if exponents[0] + 3.0 * errors[0] < 0.0 && left_to_go < NEAR {
@@ -225,7 +225,7 @@ impl Track {
             class: Some(class),
             lyapunov: exponents[0],
             lyapunov_error: errors[0],
-            scheme_error: defect.abs(),
+            scheme_error: missed,
             lyapunov_second: exponents[1] + defect,
             lyapunov_second_error: errors[1],
             divergence: self.divergence / (f64::from(TURNS) * turn_time),

@@ -29,7 +29,7 @@ const MOST_ESCAPE_PERIODS: u32 = 512;
 
 /// Where the sum of the exponents misses the divergence by more than this, relative to 1 + |divergence|, the steps of taylor in
 /// f64 were too long for the motion.
-const ROUGH: f64 = 5e-5;
+const ROUGH: f64 = 1e-5;
 
 fn is_rough(measurement: &Measurement) -> bool {
     measurement.divergence_defect().abs() > ROUGH * (1.0 + measurement.divergence.abs())

@@ -136,14 +136,20 @@ fn compared(measured: &Measurement, finer: &Measurement) -> Measurement {
             ..Measurement::unmeasured(Status::UnderResolved, measured.backend)
         };
     }
-    let share = beyond_chance(
-        [measured.lyapunov, measured.lyapunov_error],
-        [finer.lyapunov, finer.lyapunov_error],
-    );
-    let second = beyond_chance(
-        [measured.lyapunov_second, measured.lyapunov_second_error],
-        [finer.lyapunov_second, finer.lyapunov_second_error],
-    );
+    let chance = |m: &Measurement, error: f64| error - m.scheme_error;
+    let share = finer.scheme_error
+        + beyond_chance(
+            [measured.lyapunov, chance(measured, measured.lyapunov_error)],
+            [finer.lyapunov, chance(finer, finer.lyapunov_error)],
+        );
+    let second = finer.scheme_error
+        + beyond_chance(
+            [
+                measured.lyapunov_second,
+                chance(measured, measured.lyapunov_second_error),
+            ],
+            [finer.lyapunov_second, chance(finer, finer.lyapunov_second_error)],
+        );
     let measured = Measurement {
         lyapunov_error: measured.lyapunov_error + share,
         lyapunov_second_error: measured.lyapunov_second_error + second,
@@ -170,7 +176,7 @@ fn compared(measured: &Measurement, finer: &Measurement) -> Measurement {
     }
 }
 
-/// By how much two numbers, each with its error, differ beyond chance; NaN if either is.
+/// By how much two numbers, each with what chance may have made of it, differ beyond that; NaN if either is.
 fn beyond_chance([a, a_error]: [f64; 2], [b, b_error]: [f64; 2]) -> f64 {
     let beyond = (a - b).abs() - CHANCE * a_error.hypot(b_error);
     // unlike max, keeps NaN

@@ -34,6 +34,12 @@ pub(super) fn instance(set: &ParameterSet) -> ParameterSet {
     }
 }
 
+/// An angle that stays within this is one of rest.
+const AT_REST: f64 = 1e-6;
+
+/// Fewest passages through its middle by which a swing is told from a creep.
+const LEAST_CROSSINGS: usize = 3;
+
 /// Measures those anew that are on a limit cycle. One exponent is the trivial zero along the flow, and left out; the other
 /// one is the mean divergence over whole turns, which a weighted Birkhoff average gives without knowing how long a turn is.
 ///
@@ -72,8 +78,9 @@ pub(super) fn measure_limit_cycles(
         periods: ALIGN,
         elapsed: 0,
     })?;
-    // growth of the first vector and divergence, of every period
+    // growth of the first vector and divergence, of every period, and x at its end
     let mut rates = vec![[Vec::new(), Vec::new()]; indices.len()];
+    let mut states = vec![Vec::new(); indices.len()];
     for first in 0..LOOK {
         backend.advance(&Slice {
             stage: Stage::Measure,
@@ -85,9 +92,12 @@ pub(super) fn measure_limit_cycles(
             rates[0].push(sums.growth[0]);
             rates[1].push(sums.divergence);
         }
+        for (states, end) in states.iter_mut().zip(backend.end_states()?) {
+            states.push(end.x);
+        }
     }
     let ends = backend.end_states()?;
-    for ((index, [growth, divergence]), end) in indices.into_iter().zip(rates).zip(ends) {
+    for (((index, [growth, divergence]), states), end) in indices.into_iter().zip(rates).zip(states).zip(ends) {
         let period_time = instances[index].forcing_period();
         let average = |values: &[f64], range: Range<u32>| {
             let weights = birkhoff_weights(range.end - range.start);
@@ -100,8 +110,8 @@ pub(super) fn measure_limit_cycles(
         let halves = [0..LOOK / 2, LOOK / 2..LOOK].map(|half| average(&divergence, half));
         let error = (halves[0] - halves[1]).abs();
         let attracts = exponent + 3.0 * error < 0.0 && exponent < -DAMPED;
-        if end.runaway_periods.is_some() || end.under_resolved || !attracts || along.abs() > ALONG_THE_FLOW * -exponent
-        {
+        let is_cycle = attracts && along.abs() <= ALONG_THE_FLOW * -exponent && swings(&states[states.len() / 2..]);
+        if end.runaway_periods.is_some() || end.under_resolved || !is_cycle {
             continue;
         }
         let before = measured[index];
@@ -126,4 +136,15 @@ pub(super) fn measure_limit_cycles(
         };
     }
     Ok(())
+}
+
+/// Whether an angle goes to and fro: a bush that creeps in the friction layer goes one way, or is at rest but for rounding.
+fn swings(angles: &[f64]) -> bool {
+    let least = angles.iter().copied().fold(f64::INFINITY, f64::min);
+    let greatest = angles.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let middle = 0.5 * (least + greatest);
+    let crossings = angles
+        .windows(2)
+        .filter(|pair| (pair[0] < middle) != (pair[1] < middle));
+    greatest - least > AT_REST && crossings.count() >= LEAST_CROSSINGS
 }

@@ -5,13 +5,14 @@
 use crate::lanes::Real;
 
 /// Least half-width of the friction layer, in spacings of the number type at the shaft's greatest speed: v is a difference of
-/// speeds of that size, and where the layer is thinner its boundaries are met too roughly for the tangent.
+/// speeds of that size, and where the layer is thinner its boundaries are met too roughly for the tangent. However slow the shaft is,
+/// forces of order 1 move the bush, whose angle is of order 1: a creep much slower than a spacing does not move it.
 pub const LEAST_SPACINGS: f64 = 128.0;
 
 /// What the half-width of the friction layer must exceed in a number type of which `spacing` is that between 1 and the next
 /// number, where the shaft's greatest speed is `speed`.
 pub fn thinnest_layer(spacing: f64, speed: f64) -> f64 {
-    LEAST_SPACINGS * spacing * speed
+    LEAST_SPACINGS * spacing * speed.max(1.0)
 }
 
 /// Kinetic friction F(v) = F0 s(v) - alpha v + beta v^3 times a constant scale, with s the C1 regularisation of sgn.

@@ -267,6 +267,37 @@ fn a_rest_without_a_drive_has_period_1_whatever_omega_0() {
     }
 }
 
+/// In the layer of a shaft at rest a bush creeps towards its rest for a time of 1/epsilon_0, one way: that is no limit cycle.
+#[test]
+fn a_bush_that_creeps_is_on_no_limit_cycle() {
+    use Parameter::{Epsilon0, F0, H1, OmegaK, X0, Y0, ZetaK};
+    let creeping = [1e-4, 1e-5, 1e-6].map(|layer| {
+        point(&[
+            (ZetaK, 0.0),
+            (OmegaK, 0.0),
+            (F0, 3.0),
+            (H1, 5.0),
+            (Epsilon0, layer),
+            (X0, 1.3),
+            (Y0, -0.4),
+        ])
+    });
+    for decide_early in [true, false] {
+        let settings = Settings {
+            decide_early,
+            ..Settings::default()
+        };
+        for (m, set) in measure(Precision::F64, &settings, &creeping).iter().zip(&creeping) {
+            // the slow rate of a creep, (1 - 3 b x^2)/K, is below 3 epsilon_0
+            assert!(
+                m.lyapunov.abs() < 10.0 * set[Epsilon0] + 3.0 * m.lyapunov_error,
+                "{m:?}"
+            );
+            assert!(m.lyapunov_error < 1e-3 && !m.is_on_limit_cycle(), "{m:?}");
+        }
+    }
+}
+
 /// As the drive vanishes: of a rest both exponents, and beside a limit cycle, where the driven motion is a torus, the second one.
 #[test]
 fn exponents_are_continuous_as_the_drive_vanishes() {
