@@ -128,7 +128,13 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
         files.report(Some(object(&experiment, &starts, &onset, &gaps)));
         return Ok(());
     }
-    say!("{exponents} exponents in {}", report::duration(started.elapsed()));
+    say!(
+        "{exponents} exponents in {}, each over {} periods after {}: {}",
+        report::duration(started.elapsed()),
+        settings.periods,
+        settings.transient_periods,
+        caption::scheme(&settings)
+    );
     if gaps.under_resolved > 0 {
         say!(
             "status: {} of {exponents} exponents were not measured, since their points are under-resolved: {}",

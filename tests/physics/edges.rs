@@ -217,21 +217,48 @@ fn a_cycle_is_told_however_long_the_run() {
     }
 }
 
-#[test]
-fn slow_drives_and_strong_damping_are_resolved_and_schemes_agree() {
+/// Over omega_0 = 0.01..10 and h1 = 0..20, `columns` by `rows` points by the default scheme and by radau at its tightest: all are
+/// resolved, and those that are regular by both have the same exponents, but for `others` that end on another attractor.
+fn slow_drives_and_strong_damping(columns: u32, rows: u32, others: usize) {
     use Parameter::{H1, Omega0};
-    let points: Vec<_> = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0]
-        .into_iter()
-        .flat_map(|omega_0| [0.0, 1.0, 5.0, 20.0].map(|h1| point(&[(Omega0, omega_0), (H1, h1)])))
+    let value = |[low, high]: [f64; 2], i: u32, count: u32| low + (high - low) * f64::from(i) / f64::from(count - 1);
+    let points: Vec<_> = (0..columns * rows)
+        .map(|index| {
+            point(&[
+                (Omega0, value([0.01, 10.0], index % columns, columns)),
+                (H1, value([0.0, 20.0], index / columns, rows)),
+            ])
+        })
         .collect();
     let by_taylor = measure(Precision::F64, &settings(Scheme::Taylor), &points);
-    let by_radau = measure(Precision::F64, &settings(Scheme::Radau), &points);
+    let tightest = Settings {
+        tolerance: 1e-9,
+        ..settings(Scheme::Radau)
+    };
+    let by_radau = measure(Precision::F64, &tightest, &points);
+    let mut apart = Vec::new();
     for (a, b) in by_taylor.iter().zip(&by_radau) {
         assert_eq!(a.status, Status::Ok, "{a:?}");
         // chaos is compared elsewhere: its errors are of another kind
         if a.class == Some(Class::Regular) && b.class == Some(Class::Regular) {
-            let error = 3.0 * (a.lyapunov_error + b.lyapunov_error) + 1e-5;
-            assert!((a.lyapunov - b.lyapunov).abs() < error, "{a:?} {b:?}");
+            // radau's own error has taylor's in it, and proves nothing here
+            let error = 3.0 * a.lyapunov_error + 1e-5;
+            if (a.lyapunov - b.lyapunov).abs() >= error {
+                apart.push((a, b));
+            }
         }
     }
+    println!("{} of {} apart", apart.len(), points.len());
+    assert!(apart.len() <= others, "{apart:?}");
+}
+
+#[test]
+fn slow_drives_and_strong_damping_are_resolved_and_schemes_agree() {
+    slow_drives_and_strong_damping(8, 5, 0);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn slow_drives_and_strong_damping_agree_all_over_the_map() {
+    slow_drives_and_strong_damping(60, 40, 2);
 }
