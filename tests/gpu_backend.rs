@@ -106,7 +106,7 @@ fn lanes_do_not_feel_their_neighbours() {
         .enumerate()
         .map(|(i, set)| match i % 7 {
             2 | 3 => set.with(Parameter::B, -0.003 * i as f64).with(Parameter::Beta, 0.0),
-            // the bush sticks in a layer of which 4096 steps do not reach the period's end
+            // the bush sticks in a layer of which 8192 steps do not reach the period's end
             5 => set
                 .with(Parameter::Epsilon0, 1.01e-4)
                 .with(Parameter::F0, 20.0)

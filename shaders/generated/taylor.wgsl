@@ -3,7 +3,7 @@
 
 const LEAST_TICKS: f32 = 16.0;
 const REACH: f32 = 1.1;
-const LAYER_STEP: f32 = 0.35;
+const LAYER_STEP: f32 = 0.2;
 const FREE_STEP: f32 = 2.0;
 const STIFF_FREE_STEP: f32 = 0.8;
 const STIFF: f32 = 2.0;
@@ -17,7 +17,7 @@ const MISSED: f32 = 0.01;
 const NO_LAYER: f32 = -1e30;
 const TICKS_PER_UNIT: f32 = 8388608.0;
 const SMALLEST_SLOPE_SQUARE: f32 = 1e-30;
-const MAX_PASSES: f32 = 4096.0;
+const MAX_PASSES: f32 = 8192.0;
 const LONG_PER_UNIT: f32 = 10.185916357881302;
 const COMFORTABLE: f32 = 100000000.0;
 const LARGEST_LENGTH: f32 = 1e38;

@@ -38,15 +38,16 @@ pub const LEAST_TICKS: f64 = 16.0;
 
 /// Steps after which a lane that has not finished a period is given up as under-resolved, where the period is no longer
 /// than the paper's, pi; a longer one has as many more.
-pub const MAX_PASSES: u32 = 4096;
+pub const MAX_PASSES: u32 = 8192;
 
 /// In the layer a step reaches at most this far beyond the boundary ahead, by the slope of v: a polynomial taken much
 /// further beyond its piece runs away.
 pub const REACH: f64 = 1.1;
 
 /// In the layer a step is at most this over the layer's greatest rate. Without it the motion comes out smooth, plausible
-/// and wrong where the bush sticks.
-pub const LAYER_STEP: f64 = 0.35;
+/// and wrong where the bush sticks; and where v takes about as long through the layer as friction to hold it, the series has a pole
+/// at about 1.1 over that rate: 0.35 would leave 1e-4 of the growth in a crossing, this leaves 1e-6.
+pub const LAYER_STEP: f64 = 0.2;
 
 /// Outside, a step is at most this over the rates met at its start...
 pub const FREE_STEP: f64 = 2.0;
