@@ -5,7 +5,7 @@
 use std::ops::Range;
 
 use super::{Backend, BackendError, Slice, Stage};
-use crate::dynamics::statistics::birkhoff_weights;
+use crate::dynamics::statistics::{batches, birkhoff_weights, standard_error};
 use crate::experiment::Settings;
 use crate::measurement::{Class, Measurement, Status};
 use crate::parameters::{Parameter, ParameterSet};
@@ -21,6 +21,10 @@ const LOOK: u32 = 512;
 /// Shifts of a window of half the periods, whose averages tell how sure that over all is. Where the bush sticks in every turn the
 /// divergence comes in spikes, and averages converge slowly.
 const HALVES: u32 = 8;
+
+/// Relative to the exponent, by how much those averages differ at most where the divergence is a smooth function along the cycle. Where
+/// it is not, they may agree by chance, and batch means tell more.
+const SMOOTH: f64 = 1e-4;
 
 /// Along a limit cycle the first vector grows by less than this share of the divergence, on the way to a rest by half of it
 /// or more.
@@ -116,7 +120,12 @@ pub(super) fn measure_limit_cycles(
             let first = n * LOOK / 2 / HALVES;
             average(&divergence, first..first + LOOK / 2)
         });
-        let error = halves.map(|half| (half - exponent).abs()).fold(0.0, f64::max);
+        let of_halves = halves.map(|half| (half - exponent).abs()).fold(0.0, f64::max);
+        let error = if of_halves < SMOOTH * exponent.abs() {
+            of_halves
+        } else {
+            of_halves.max(standard_error(&batches_of(&divergence)) / period_time)
+        };
         let attracts = exponent + 3.0 * error < 0.0 && exponent < -DAMPED;
         let is_cycle = attracts && along.abs() <= ALONG_THE_FLOW * -exponent && swings(&states[states.len() / 2..]);
         if end.runaway_periods.is_some() || end.under_resolved || !is_cycle {
@@ -144,6 +153,17 @@ pub(super) fn measure_limit_cycles(
         };
     }
     Ok(())
+}
+
+/// Lengths and sums of the batches of values of single periods.
+fn batches_of(values: &[f64]) -> Vec<(f64, f64)> {
+    let batches = batches(values.len() as u32).into_iter();
+    batches
+        .map(|batch| {
+            let part = &values[batch.start as usize..batch.end as usize];
+            (part.len() as f64, part.iter().sum())
+        })
+        .collect()
 }
 
 /// Whether an angle goes to and fro: a bush that creeps in the friction layer goes one way, or is at rest but for rounding.

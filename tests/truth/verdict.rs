@@ -78,10 +78,10 @@ pub fn judge(
     truth: &Truth,
 ) -> (Verdict, Truth) {
     let mut truth = *truth;
-    let mut first = compare(point, m, &truth, From::Start);
+    let mut first = compare(settings, point, m, &truth, From::Start);
     if first == Verdict::Wrong {
         truth = truth_within(point, DISPUTED);
-        first = compare(point, m, &truth, From::Start);
+        first = compare(settings, point, m, &truth, From::Start);
     }
     // a runaway that was missed, unless it is chaos that decides about it
     let certain = matches!(truth, Truth::Runaway { sensitivity, .. } if error_of_state(m) * sensitivity < 1.0);
@@ -90,7 +90,7 @@ pub fn judge(
     }
     let from = |m: &Measurement| follow(&points::bush(point), [m.x, m.y], &Effort::USUAL);
     let there = from(m);
-    let second = compare(point, m, &there, From::LastState);
+    let second = compare(settings, point, m, &there, From::LastState);
     if second != Verdict::Wrong {
         return (second, there);
     }
@@ -105,10 +105,10 @@ pub fn judge(
     };
     let later = measure_on(backend, &settings, &[*point])[0];
     if later.status != Status::Ok {
-        return (compare(point, &later, &truth, From::Start), truth);
+        return (compare(&settings, point, &later, &truth, From::Start), truth);
     }
     let there = from(&later);
-    (compare(point, &later, &there, From::LastState), there)
+    (compare(&settings, point, &later, &there, From::LastState), there)
 }
 
 fn may_be_transient(m: &Measurement, truth: &Truth) -> bool {
@@ -125,8 +125,10 @@ fn error_of_state(m: &Measurement) -> f64 {
     if m.backend == BackendKind::CpuF64 { 1e-6 } else { 1e-4 }
 }
 
-fn compare(point: &ParameterSet, m: &Measurement, truth: &Truth, from: From) -> Verdict {
-    let ran = f64::from(m.integrated_periods) * point.forcing_period();
+fn compare(settings: &Settings, point: &ParameterSet, m: &Measurement, truth: &Truth, from: From) -> Verdict {
+    let run = settings.transient_periods + settings.periods;
+    // periods that were integrated for it include looks at cycles, and other schemes
+    let ran = f64::from(m.integrated_periods.min(run)) * point.forcing_period();
     match (m.status, *truth) {
         (Status::UnderResolved, _) => Verdict::Refused,
         (_, Truth::GivenUp) => Verdict::Unknown,
