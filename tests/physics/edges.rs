@@ -1,7 +1,7 @@
 //! The edges of the parameters: exponents that are known exactly, layers thinner and thinner, slow drives, strong damping, and
 //! escapes. Every case holds on every scheme that claims it, in both number types.
 
-use tribochaos::experiment::{Precision, Scheme, Settings};
+use tribochaos::experiment::{Precision, Preset, Scheme, Settings};
 use tribochaos::measurement::{Class, Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
@@ -212,6 +212,64 @@ fn a_cycle_is_told_however_long_the_run() {
             assert!(
                 m.status == Status::Ok && m.class == Some(Class::Regular),
                 "{periods}: {m:?}"
+            );
+        }
+    }
+}
+
+/// A point at which radau at its usual tolerance and rk4 by the paper's steps are off by more than their exponents' scatter, against a
+/// reference of another order; and cycles with heat by coarse tolerances, against a fine one.
+#[test]
+fn what_a_scheme_misses_is_part_of_its_error() {
+    use Parameter::{Alpha, B, Beta, Epsilon, Epsilon0, F0, H1, KW, Omega0, OmegaK, X0, Y0, ZetaK};
+    let set = point(&[
+        (Omega0, 0.8752),
+        (Alpha, 0.1045),
+        (Beta, 0.2019),
+        (F0, 0.8844),
+        (X0, 0.5394),
+        (Y0, 1.048),
+        (B, 1.467),
+        (OmegaK, -0.1869),
+        (Epsilon, 0.1055),
+        (Epsilon0, 0.01538),
+        (ZetaK, 4.2152),
+        (H1, 1.00408),
+    ]);
+    for scheme in Scheme::ALL {
+        for decide_early in [true, false] {
+            let settings = Settings {
+                scheme: Some(scheme),
+                decide_early,
+                ..Settings::default()
+            };
+            let [m] = measure(Precision::F64, &settings, &[set])[..] else {
+                unreachable!()
+            };
+            let off = (m.lyapunov + 0.263_189).abs();
+            assert!(off < 3.0 * m.lyapunov_error + 1e-6, "{scheme:?}: {off:e} {m:?}");
+            assert!(m.lyapunov_error < 0.03 && m.scheme_error <= m.lyapunov_error, "{m:?}");
+            // the default scheme has hardly any share
+            assert!(scheme != Scheme::Taylor || m.scheme_error < 1e-5, "{m:?}");
+        }
+    }
+
+    let heated = [3.2, 3.5, 3.9].map(|zeta_k| Preset::Paper.parameters().with(ZetaK, zeta_k).with(KW, 0.0));
+    let at_tolerance = |tolerance| {
+        let settings = Settings {
+            tolerance,
+            ..Settings::default()
+        };
+        measure(Precision::F64, &settings, &heated)
+    };
+    let fine = at_tolerance(1e-7);
+    for tolerance in [1e-2, 2e-4] {
+        for (m, exact) in at_tolerance(tolerance).iter().zip(&fine) {
+            assert!(m.period.is_some() && m.scheme_error >= 0.0, "{m:?}");
+            let off = (m.lyapunov - exact.lyapunov).abs();
+            assert!(
+                off < 3.0 * (m.lyapunov_error + exact.lyapunov_error),
+                "{tolerance}: {off:e} {m:?}"
             );
         }
     }
