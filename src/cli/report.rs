@@ -72,8 +72,7 @@ pub fn remedy(settings: &Settings) -> &'static str {
              `tribochaos history` shows how far it goes"
         }
         Scheme::Rk4 => {
-            "fixed steps do not resolve the motion; more --steps-per-period may, and the default scheme mostly does: leave \
-             --scheme out"
+            "fixed steps do not resolve the motion; `tribochaos point` tells what the default scheme makes of a point"
         }
     }
 }
