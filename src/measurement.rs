@@ -220,7 +220,7 @@ pub struct Measurement {
     pub lyapunov: f64,
     /// Its standard error, by batch means, and the scheme's share; NaN for an exponent of finite time.
     pub lyapunov_error: f64,
-    /// The scheme's share in it: ten times what the sum of the exponents misses of the divergence, and by how much the exponent
+    /// The scheme's share in it: ten times what the sum of the exponents misses of the divergence, rounding, and by how much the exponent
     /// misses that of a finer scheme. NaN where there is neither, as with heat or wear.
     pub scheme_error: f64,
     /// The smaller of the two non-trivial exponents; equal to the maximal one where the tangent vectors rotate. NaN with
