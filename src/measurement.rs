@@ -221,7 +221,7 @@ pub struct Measurement {
     /// Its standard error, by batch means, and the scheme's share; NaN for an exponent of finite time.
     pub lyapunov_error: f64,
     /// The scheme's share in it: ten times what the sum of the exponents misses of the divergence, rounding, and by how much the exponent
-    /// misses that of a finer scheme. NaN where there is neither, as with heat or wear.
+    /// misses that of a finer scheme. NaN where nothing is known of it: with heat where the motion is on no cycle, and with wear.
     pub scheme_error: f64,
     /// The smaller of the two non-trivial exponents; equal to the maximal one where the tangent vectors rotate. NaN with
     /// heat or wear, whose tangent space has more dimensions, and on a limit cycle without a drive, where it is the trivial

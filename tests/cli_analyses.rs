@@ -460,7 +460,7 @@ fn lyapunov_claims_nothing_of_points_that_were_not_measured() {
     let said = run(folder.path(), &args);
     assert!(
         said.contains("9 of 9 exponents were not measured, since their points are under-resolved")
-            && said.contains("leave --scheme out")
+            && said.contains("`tribochaos point` tells")
             && said.contains("onset: unknown, since nothing was measured"),
         "{said}"
     );
