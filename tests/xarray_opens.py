@@ -11,7 +11,7 @@ data = xr.open_zarr(sys.argv[1], consolidated=False)
 
 assert dict(data.sizes) == {"x0": 5, "zeta_k": 7}, data.sizes
 assert set(data.coords) == {"zeta_k", "x0"}, data.coords
-assert len(data.data_vars) == 25, list(data.data_vars)
+assert len(data.data_vars) == 26, list(data.data_vars)
 np.testing.assert_array_equal(data.zeta_k, np.linspace(0, 12, 7))
 np.testing.assert_array_equal(data.x0, np.linspace(1, -1, 5))
 assert data.zeta_k.attrs == {"long_name": "amplitude of the shaft's speed", "symbol": "ζₖ", "units": "1"}
