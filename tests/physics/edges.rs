@@ -318,5 +318,5 @@ fn slow_drives_and_strong_damping_are_resolved_and_schemes_agree() {
 #[test]
 #[ignore = "minutes"]
 fn slow_drives_and_strong_damping_agree_all_over_the_map() {
-    slow_drives_and_strong_damping(60, 40, 2);
+    slow_drives_and_strong_damping(300, 200, 6);
 }
