@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use super::evaluation::{checked, is_resolved, scheme_error};
+use super::evaluation::{checked, is_resolved, missed_by_scheme};
 use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
 use crate::dynamics::divergence_check::CHECKED_EVERY;
 use crate::dynamics::floquet::{Multipliers, Turn};
@@ -206,7 +206,7 @@ impl Track {
         let approach = (exponents[0] * turn_time).exp_m1().abs();
         let changes = [0, 1].map(|i| (before.log_moduli()[i] - moduli[i]).abs() / turn_time / approach);
         let defect = self.defect / turn_time;
-        let missed = scheme_error(&candidate.instance, backend, exponents[0], defect);
+        let missed = missed_by_scheme(&candidate.instance, backend, exponents[0], defect);
         let errors = changes.map(|change| change + missed);
         let distance_from_one = last.distance_from_one();
         let left_to_go = self.moved() / distance_from_one;

@@ -115,7 +115,7 @@ impl Growth {
             ..measurement
         };
         let resolved = is_resolved(&measurement);
-        let missed = scheme_error(parameters, backend, lyapunov, measurement.divergence_defect());
+        let missed = missed_by_scheme(parameters, backend, lyapunov, measurement.divergence_defect());
         let measurement = self.settled(ended, measurement);
         let measurement = Measurement {
             lyapunov_error: measurement.lyapunov_error + missed,
@@ -256,7 +256,7 @@ impl Growth {
 /// what the sum missed, and mostly by less than that; three errors are to cover it. A bush that creeps in the friction layer stops
 /// once a step moves x by less than the spacing of the number type, where its speed is not yet what it comes to: friction, and the
 /// exponent with it, are off by that speed over the layer's half-width.
-pub(super) fn scheme_error(parameters: &ParameterSet, backend: BackendKind, lyapunov: f64, defect: f64) -> f64 {
+pub(super) fn missed_by_scheme(parameters: &ParameterSet, backend: BackendKind, lyapunov: f64, defect: f64) -> f64 {
     let is_dry = parameters[Parameter::Epsilon] * parameters[Parameter::F0] > 0.0;
     let creep = if is_dry {
         CREEP * backend.epsilon() / parameters[Parameter::Epsilon0]

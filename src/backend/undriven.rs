@@ -89,6 +89,7 @@ pub(super) fn measure_limit_cycles(
     // growth of the first vector and divergence, of every period, and x at its end
     let mut rates = vec![[Vec::new(), Vec::new()]; indices.len()];
     let mut states = vec![Vec::new(); indices.len()];
+    let mut ends = Vec::new();
     for first in 0..LOOK {
         backend.advance(&Slice {
             stage: Stage::Measure,
@@ -100,11 +101,11 @@ pub(super) fn measure_limit_cycles(
             rates[0].push(sums.growth[0]);
             rates[1].push(sums.divergence);
         }
-        for (states, end) in states.iter_mut().zip(backend.end_states()?) {
+        ends = backend.end_states()?;
+        for (states, end) in states.iter_mut().zip(&ends) {
             states.push(end.x);
         }
     }
-    let ends = backend.end_states()?;
     for (((index, [growth, divergence]), states), end) in indices.into_iter().zip(rates).zip(states).zip(ends) {
         let period_time = instances[index].forcing_period();
         let average = |values: &[f64], range: Range<u32>| {

@@ -121,19 +121,19 @@ impl Experiment {
         if self.extent(Parameter::Gamma).1 == 0.0 {
             return None;
         }
+        let (rates, needed) = (self.mode_rates(), self.fast_mode());
         let modes = self.settings.modes();
-        let rate = self.mode_rate(modes);
-        let needed = self.fast_mode();
+        let rate = *rates.get(modes as usize - 1)?;
         (rate < needed).then(|| {
-            let enough = self.enough_modes();
-            let remedy = if self.mode_rate(enough) < needed {
+            let enough = enough(&rates, needed);
+            let remedy = if rates[enough as usize - 1] < needed {
                 format!("even {MAX_MODES} modes are too few to promise more: raise omega_tilde")
             } else {
                 format!("use --modes {enough} or more, or leave it out")
             };
             format!(
                 "the shaft conducts heat so slowly (omega_tilde = {}) that the last of {modes} heat modes decays at {rate:.3}, below \
-                 {FAST_MODE} omega_0 = {needed:.4}: pressure, wear and temperature may be off by 1e-4 or more; {remedy}",
+                 the {needed:.4} that this drive and this cooling ask for: pressure, wear and temperature may be off by 1e-4 or more; {remedy}",
                 self.extent(Parameter::OmegaTilde).0
             )
         })
@@ -141,15 +141,14 @@ impl Experiment {
 
     /// As many heat modes as the drive is slow to, from [`USUAL_MODES`] to [`MAX_MODES`].
     pub(super) fn enough_modes(&self) -> u32 {
-        let is_fast = |modes: &u32| self.mode_rate(*modes) >= self.fast_mode();
-        (USUAL_MODES..MAX_MODES).find(is_fast).unwrap_or(MAX_MODES)
+        enough(&self.mode_rates(), self.fast_mode())
     }
 
-    /// Least rate at which the last of so many heat modes decays.
-    fn mode_rate(&self, modes: u32) -> f64 {
+    /// Least rates at which the heat modes decay, the slowest mode first.
+    fn mode_rates(&self) -> Vec<f64> {
         let (biot, omega_tilde) = (self.extent(Parameter::Biot).0, self.extent(Parameter::OmegaTilde).0);
-        let last = thermal_modes::roots(biot, modes as usize)[modes as usize - 1];
-        last * last * omega_tilde
+        let roots = thermal_modes::roots(biot, MAX_MODES as usize);
+        roots.into_iter().map(|mu| mu * mu * omega_tilde).collect()
     }
 
     /// The rate at which it should. A shaft that is cooled well loses the heat of a pulse from a thin layer at its surface, which
@@ -158,4 +157,10 @@ impl Experiment {
         let cooling = (self.extent(Parameter::Biot).1 / WELL_COOLED).min(MOST_COOLING);
         FAST_MODE * (1.0 + cooling) * self.extent(Parameter::Omega0).1
     }
+}
+
+/// How many modes there must be for the last of them to decay at the rate `needed`, from [`USUAL_MODES`] to all of them.
+fn enough(rates: &[f64], needed: f64) -> u32 {
+    let is_fast = |modes: &u32| rates[*modes as usize - 1] >= needed;
+    (USUAL_MODES..MAX_MODES).find(is_fast).unwrap_or(MAX_MODES)
 }
