@@ -8,9 +8,11 @@ use super::Progress;
 use super::exponents::from;
 use super::orbits::is_bounded;
 use crate::backend::cpu::CpuBackend;
+use crate::backend::fallback;
 use crate::backend::{Backend, BackendError, EndState, Slice, Stage, Sums};
 use crate::dynamics::stroboscope::{most_states, period_of, span_of};
 use crate::experiment::{Precision, Scheme, Settings};
+use crate::measurement::BackendKind;
 use crate::parameters::ParameterSet;
 
 /// An orbit has settled on the cycle that it ends on from where x and y stay this near to the cycle's, phase by phase. Cycles
@@ -55,7 +57,8 @@ pub fn confirming(settings: &Settings) -> u32 {
 }
 
 /// Follows the orbits of the instance `at` from the states `starts`, each (x, y), over `longest` forcing periods, and as many
-/// more as [`confirming`] tells; what is too stiff for taylor is left to radau. None if `progress` broke the work off.
+/// more as [`confirming`] tells. What the scheme gives up is followed by the ones that [`fallback`] names. None if `progress` broke
+/// the work off.
 ///
 /// # Errors
 /// If the backend fails, or the scheme that was asked for does not carry the heat of the instance.
@@ -73,27 +76,33 @@ pub fn follow(
     let Some(mut fates) = follow_by_one(backend, settings, at, starts, longest, progress)? else {
         return Ok(None);
     };
-    let given_up: Vec<usize> = (0..fates.len())
-        .filter(|&index| fates[index].end == End::GivenUp)
-        .collect();
-    if settings.scheme() != Scheme::Taylor || given_up.is_empty() {
-        return Ok(Some(fates));
-    }
-    let radau = Settings {
-        scheme: Some(Scheme::Radau),
-        steps_per_period: None,
-        precision: Some(Precision::F64),
-        ..settings.clone()
+    let (mut scheme, mut kind) = (settings.scheme(), backend.kind());
+    let is_last = |scheme, kind| match scheme {
+        Scheme::Taylor => false,
+        // under heat and wear there is no other scheme
+        Scheme::Radau => at.is_rubbed() || kind == BackendKind::CpuF64,
+        // its steps were asked for as they are
+        Scheme::Rk4 => true,
     };
-    let starts: Vec<[f64; 2]> = given_up.iter().map(|&index| starts[index]).collect();
-    // they were reported as done before
-    let progress = &mut |_| progress(0);
-    let cpu = &mut CpuBackend::new(Precision::F64);
-    let Some(anew) = follow_by_one(cpu, &radau, at, &starts, longest, progress)? else {
-        return Ok(None);
-    };
-    for (index, fate) in given_up.into_iter().zip(anew) {
-        fates[index] = fate;
+    while !is_last(scheme, kind) {
+        let given_up: Vec<usize> = (0..fates.len())
+            .filter(|&index| fates[index].end == End::GivenUp)
+            .collect();
+        if given_up.is_empty() {
+            break;
+        }
+        (scheme, kind) = (fallback::next(scheme, kind), BackendKind::CpuF64);
+        let settings = fallback::in_place(settings, scheme);
+        let starts: Vec<[f64; 2]> = given_up.iter().map(|&index| starts[index]).collect();
+        // they were reported as done before
+        let progress = &mut |_| progress(0);
+        let cpu = &mut CpuBackend::new(Precision::F64);
+        let Some(anew) = follow_by_one(cpu, &settings, at, &starts, longest, progress)? else {
+            return Ok(None);
+        };
+        for (index, fate) in given_up.into_iter().zip(anew) {
+            fates[index] = fate;
+        }
     }
     Ok(Some(fates))
 }

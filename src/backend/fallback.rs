@@ -35,6 +35,26 @@ fn is_rough(measurement: &Measurement) -> bool {
     measurement.divergence_defect().abs() > ROUGH * (1.0 + measurement.divergence.abs())
 }
 
+/// The scheme that is tried next, in f64 on the CPU, where `scheme` on a backend of this `kind` gives up.
+pub(crate) fn next(scheme: Scheme, kind: BackendKind) -> Scheme {
+    if scheme == Scheme::Taylor && kind == BackendKind::CpuF64 {
+        Scheme::Radau
+    } else {
+        Scheme::Taylor
+    }
+}
+
+/// The settings by which `scheme` does what another one gave up.
+pub(crate) fn in_place(settings: &Settings, scheme: Scheme) -> Settings {
+    Settings {
+        scheme: Some(scheme),
+        steps_per_period: None,
+        tolerance: settings.tolerance.min(TOLERANCE),
+        precision: Some(Precision::F64),
+        ..settings.clone()
+    }
+}
+
 /// Completes the measurements of instances of constant contact pressure by the scheme of `settings` on a backend of this `kind`. None
 /// if `progress` broke it off.
 ///
@@ -53,13 +73,7 @@ pub(super) fn complete(
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<()>, BackendError> {
     let mut backend = CpuBackend::new(Precision::F64);
-    let by = |scheme| Settings {
-        scheme: Some(scheme),
-        steps_per_period: None,
-        tolerance: settings.tolerance.min(TOLERANCE),
-        precision: Some(Precision::F64),
-        ..settings.clone()
-    };
+    let by = |scheme| in_place(settings, scheme);
     let with = |measured: &[Measurement], wanted: &dyn Fn(&Measurement) -> bool| -> Vec<usize> {
         (0..measured.len()).filter(|&index| wanted(&measured[index])).collect()
     };
@@ -68,7 +82,7 @@ pub(super) fn complete(
     time_escapes(&mut backend, &by(Scheme::Radau), instances, &escaped, measured)?;
 
     let scheme = settings.scheme();
-    let is_by_default = scheme == Scheme::Taylor && kind == BackendKind::CpuF64;
+    let is_by_default = next(scheme, kind) == Scheme::Radau;
     let given_up = with(measured, &|m| {
         m.status == Status::UnderResolved || (is_by_default && is_rough(m))
     });
@@ -76,10 +90,9 @@ pub(super) fn complete(
         let chosen: Vec<_> = given_up.iter().map(|&index| instances[index]).collect();
         // they were reported as done before
         let mut unheard = |_| progress(0);
-        let anew = if is_by_default {
-            measure_lasting(&mut backend, &by(Scheme::Radau), &chosen, &mut unheard)?
-        } else {
-            measure_constant(&mut backend, &by(Scheme::Taylor), &chosen, &mut unheard)?
+        let anew = match next(scheme, kind) {
+            Scheme::Radau => measure_lasting(&mut backend, &by(Scheme::Radau), &chosen, &mut unheard)?,
+            other => measure_constant(&mut backend, &by(other), &chosen, &mut unheard)?,
         };
         let Some(anew) = anew else {
             return Ok(None);

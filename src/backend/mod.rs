@@ -6,7 +6,7 @@ pub mod cpu;
 mod cycle;
 mod early;
 mod evaluation;
-mod fallback;
+pub(crate) mod fallback;
 pub mod gpu;
 mod run;
 mod scheme_error;

@@ -25,37 +25,37 @@ fn piece_of(orbit: ptr<function, Orbit>, rubbing: Rubbing) -> f32 {
 }
 
 fn orbit_cut(orbit: ptr<function, Orbit>, rubbing: Rubbing, start: Start, trial: Trial) -> Part {
-    var cut = Part(1.0, true);
-
     let bounds = orbit_bounds(orbit, rubbing);
     let reach = run.reach * rubbing.epsilon_0;
     let margin = CUT * reach;
-    let lowest = bounds[0] - margin;
-    let highest = bounds[1] + margin;
-    let inside = vec3(lowest) < trial.v & trial.v < vec3(highest);
-    if (!all(inside)) {
-        // the first node beyond, and the one before it
-        let before = select(0.0, select(NODE_0, NODE_1, inside[1]), inside[0]);
-        let beyond = select(NODE_0, select(NODE_1, 1.0, inside[1]), inside[0]);
-        let v = select(trial.v[0], select(trial.v[1], trial.v[2], inside[1]), inside[0]);
-        let level = select(bounds[1] + reach, bounds[0] - reach, v < bounds[0]);
-        let part = crossing(cubic_new(start.v, trial.v), level, before, beyond);
-        cut = Part(max(part, 1e-3), false);
-    }
+    let above = stays(start.v, trial.v, bounds[1] + margin, bounds[1] + reach);
+    let below = stays(-start.v, -trial.v, margin - bounds[0], reach - bounds[0]);
 
     // p in contact, and minus what it would be in the gap: falls below 0 where contact changes
     let gap = (*orbit).contact < 0.5;
-    let signals = select(trial.pressure, -trial.if_closed, gap);
-    let allowed = -contact_tolerance((*orbit).fit);
-    let lasts = vec3(allowed) < signals;
-    if (!all(lasts)) {
-        let signal = select(start.pressure, -((*orbit).fit + (*orbit).heat_pressure), gap);
-        let before = select(0.0, select(NODE_0, NODE_1, lasts[1]), lasts[0]);
-        let beyond = select(NODE_0, select(NODE_1, 1.0, lasts[1]), lasts[0]);
-        let part = crossing(cubic_new(signal, signals), allowed * 0.5, before, beyond);
-        cut = Part(min(cut.part, max(part, 1e-3)), false);
+    let before = select(-start.pressure, (*orbit).fit + (*orbit).heat_pressure, gap);
+    let signals = select(-trial.pressure, trial.if_closed, gap);
+    let allowed = contact_tolerance((*orbit).fit);
+    let lasting = stays(before, signals, allowed, allowed * 0.5);
+    return Part(min(min(above.part, below.part), lasting.part), above.stays && below.stays && lasting.stays);
+}
+
+// Whether what has the value `start` at a step's start and `values` at its nodes stays below `allowed`, between the nodes as
+// well; else the part of the step after which it comes to `aim`.
+fn stays(start: f32, values: vec3<f32>, allowed: f32, aim: f32) -> Part {
+    let cubic = cubic_new(start, values);
+    if (stays_below(cubic, allowed)) {
+        return Part(1.0, true);
     }
-    return cut;
+    let inside = values < vec3(allowed);
+    let highest = maximum(cubic);
+    if (all(inside) && highest.value < allowed) {
+        return Part(1.0, true);
+    }
+    // the first node beyond, or the turn between the nodes, and the node before it
+    let before = select(0.0, select(NODE_0, select(NODE_1, 0.0, inside[2]), inside[1]), inside[0]);
+    let beyond = select(NODE_0, select(NODE_1, select(1.0, highest.s, inside[2]), inside[1]), inside[0]);
+    return Part(max(crossing(cubic, aim, before, beyond), 1e-3), false);
 }
 
 // The piece of the friction law that v is on; in the gap there is none.

@@ -41,45 +41,20 @@ impl<R: Real> Orbit<R> {
         start: &Start<R>,
         trial: &Trial<R>,
     ) -> (R, R::Mask) {
-        let (zero, one) = (R::splat(0.0), R::splat(1.0));
-        let mut part = one;
-        let mut stays = running_mask::<R>();
-
         let [low, high] = self.bounds(rubbing);
         let reach = control.reach * rubbing.epsilon_0;
         let margin = R::splat(CUT) * reach;
-        let (lowest, highest) = (low - margin, high + margin);
-        let [first, second, last] = at_nodes!(i => lowest.less(trial.v[i]).and(trial.v[i].less(highest)));
-        let inside = first.and(second).and(last);
-        if !inside.all() {
-            let cubic = Cubic::new(start.v, trial.v);
-            // the first node beyond, and the one before it
-            let from = R::select(first, R::select(second, R::splat(NODES[1]), R::splat(NODES[0])), zero);
-            let to = R::select(first, R::select(second, one, R::splat(NODES[1])), R::splat(NODES[0]));
-            let v = R::select(first, R::select(second, trial.v[2], trial.v[1]), trial.v[0]);
-            let level = R::select(v.less(low), low - reach, high + reach);
-            let crossing = cubic.crossing(level, from, to).max(R::splat(1e-3));
-            part = R::select(inside, one, crossing);
-            stays = stays.and(inside);
-        }
+        let (above, stays_below) = stays(start.v, trial.v, high + margin, high + reach);
+        let fallen = at_nodes!(i => -trial.v[i]);
+        let (below, stays_above) = stays(-start.v, fallen, margin - low, reach - low);
 
         // p in contact, and minus what it would be in the gap: falls below 0 where contact changes
         let gap = self.contact.less(R::splat(0.5));
-        let signals = at_nodes!(i => R::select(gap, -trial.if_closed[i], trial.pressure[i]));
-        let allowed = -contact_tolerance(self.fit);
-        let [first, second, last] = at_nodes!(i => allowed.less(signals[i]));
-        let lasts = first.and(second).and(last);
-        if !lasts.all() {
-            let before = R::select(gap, -(self.fit + self.heat.pressure), start.pressure);
-            let cubic = Cubic::new(before, signals);
-            let from = R::select(first, R::select(second, R::splat(NODES[1]), R::splat(NODES[0])), zero);
-            let to = R::select(first, R::select(second, one, R::splat(NODES[1])), R::splat(NODES[0]));
-            let aim = allowed * R::splat(0.5);
-            let crossing = cubic.crossing(aim, from, to).max(R::splat(1e-3));
-            part = part.min(R::select(lasts, one, crossing));
-            stays = stays.and(lasts);
-        }
-        (part, stays)
+        let before = R::select(gap, self.fit + self.heat.pressure, -start.pressure);
+        let signals = at_nodes!(i => R::select(gap, trial.if_closed[i], -trial.pressure[i]));
+        let allowed = contact_tolerance(self.fit);
+        let (lasting, lasts) = stays(before, signals, allowed, allowed * R::splat(0.5));
+        (above.min(below).min(lasting), stays_below.and(stays_above).and(lasts))
     }
 
     /// The piece of the friction law that v is on; in the gap, and without dry friction, there is none.
@@ -127,10 +102,25 @@ impl<R: Real> Orbit<R> {
     }
 }
 
-/// All lanes true.
+/// Whether what has the value `start` at a step's start and `values` at its nodes stays below `allowed`, between the nodes as well;
+/// else the part of the step after which it comes to `aim`.
 #[inline(always)]
-fn running_mask<R: Real>() -> R::Mask {
-    R::splat(0.0).less(R::splat(1.0))
+fn stays<R: Real>(start: R, values: [R; 3], allowed: R, aim: R) -> (R, R::Mask) {
+    let (zero, one) = (R::splat(0.0), R::splat(1.0));
+    let cubic = Cubic::new(start, values);
+    let surely = cubic.stays_below(allowed);
+    if surely.all() {
+        return (one, surely);
+    }
+    let [first, second, last] = at_nodes!(i => values[i].less(allowed));
+    let (highest, top) = cubic.maximum();
+    let stays = surely.or(first.and(second).and(last).and(highest.less(allowed)));
+    // the first node beyond, or the turn between the nodes, and the node before it
+    let [c1, c2] = [NODES[0], NODES[1]].map(R::splat);
+    let from = R::select(first, R::select(second, R::select(last, zero, c2), c1), zero);
+    let to = R::select(first, R::select(second, R::select(last, top, one), c2), c1);
+    let crossing = cubic.crossing(aim, from, to).max(R::splat(1e-3));
+    (R::select(stays, one, crossing), stays)
 }
 
 /// How far below zero a pressure counts as zero: p is a difference of numbers of the size of the worn depth.
