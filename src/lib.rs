@@ -8,8 +8,8 @@
 //!   them, and axes over either;
 //! - [`lanes`], [`model`]: numbers and physics;
 //! - [`experiment`], [`dynamics`]: what is computed, and the algorithms over the physics;
-//! - [`measurement`]: what is measured of a point, and the classes of motion;
 //! - [`backend`]: batches of instances on the CPU or a GPU;
+//! - [`measure`]: what is measured of a point, and when that is known;
 //! - [`map`]: measurements over two axes, and the border of chaos;
 //! - [`benchmark`]: points to time kernels on, and how exact they are;
 //! - [`sweep`]: from a grid to measurements, and the audit of maps;
@@ -20,9 +20,9 @@
 //! One point, ten lines:
 //!
 //! ```
-//! use tribochaos::backend::{cpu::CpuBackend, measure_batch};
+//! use tribochaos::backend::cpu::CpuBackend;
 //! use tribochaos::experiment::{Precision, Settings};
-//! use tribochaos::measurement::Class;
+//! use tribochaos::measure::{Class, measure_batch};
 //! use tribochaos::parameters::{Parameter, ParameterSet};
 //!
 //! let point = ParameterSet::default().with(Parameter::ZetaK, 3.5).with(Parameter::H1, 0.5);
@@ -43,7 +43,7 @@ pub mod grid;
 pub mod lanes;
 pub mod machine;
 pub mod map;
-pub mod measurement;
+pub mod measure;
 pub mod model;
 pub mod output;
 pub mod paper;

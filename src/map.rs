@@ -4,10 +4,11 @@
 
 use std::collections::BTreeMap;
 
+use crate::backend::BackendKind;
 use crate::experiment::Experiment;
 use crate::grid::Axis;
 use crate::machine::Beyond;
-use crate::measurement::{BackendKind, Class, Measurement, QUANTITIES, Quantity};
+use crate::measure::{Class, Measurement, QUANTITIES, Quantity};
 use crate::parameters::Parameter;
 
 /// Values of every quantity at every point of a two-dimensional grid; x varies fastest.

@@ -16,7 +16,7 @@ use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
 use tribochaos::backend::gpu::GpuBackend;
 use tribochaos::experiment::Precision;
 use tribochaos::grid::{Axis, Grid};
-use tribochaos::measurement::{Class, Measurement};
+use tribochaos::measure::{Class, Measurement};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 /// One row of the golden file.

@@ -6,9 +6,10 @@ use std::ops::ControlFlow;
 
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
-use tribochaos::backend::{Backend, BackendError, Slice, Stage, measure_batch};
+use tribochaos::backend::{Backend, BackendError, Slice, Stage};
 use tribochaos::experiment::{Precision, Preset, Scheme, Settings};
-use tribochaos::measurement::{Measurement, Status};
+use tribochaos::measure::measure_batch;
+use tribochaos::measure::{Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 /// The preset of section 5 at this zeta_k, with or without wear.

@@ -5,12 +5,13 @@ mod gpu_context;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use tribochaos::backend::BackendKind;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
 use tribochaos::experiment::{Experiment, Precision, Request, Settings};
 use tribochaos::grid::Axis;
 use tribochaos::map::ParameterMap;
-use tribochaos::measurement::{BackendKind, Class, Measurement, Quantity};
+use tribochaos::measure::{Class, Measurement, Quantity};
 use tribochaos::sweep::{Backends, Event, audit, estimate};
 
 fn experiment(x: &str, y: &str, settings: Settings) -> Experiment {

@@ -10,9 +10,9 @@ use tribochaos::dynamics::tangent::{Bases, Vector};
 use tribochaos::dynamics::taylor::{self, COEFFICIENTS, Flow};
 use tribochaos::experiment::{Scheme, Settings};
 use tribochaos::lanes::{Real, Ticks};
-use tribochaos::measurement::RUNAWAY_BOUND;
 use tribochaos::model::friction::Friction;
 use tribochaos::model::motion::Motion;
+use tribochaos::model::motion::RUNAWAY_BOUND;
 use tribochaos::parameters::Parameter;
 
 use probe::{Noise, evaluate};

@@ -8,9 +8,10 @@ use std::ops::ControlFlow;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
 use tribochaos::backend::gpu::shader_source::Lanes;
-use tribochaos::backend::{Backend, Slice, Stage, measure_batch};
+use tribochaos::backend::{Backend, Slice, Stage};
 use tribochaos::experiment::{Precision, Scheme, Settings};
-use tribochaos::measurement::{Class, Measurement};
+use tribochaos::measure::measure_batch;
+use tribochaos::measure::{Class, Measurement};
 
 use points::line;
 

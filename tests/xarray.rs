@@ -4,10 +4,11 @@
 use std::path::Path;
 use std::process::Command;
 
+use tribochaos::backend::BackendKind;
 use tribochaos::experiment::Request;
 use tribochaos::grid::Axis;
 use tribochaos::machine::{Description, TEMPLATE};
-use tribochaos::measurement::{BackendKind, Class, Measurement, Status};
+use tribochaos::measure::{Class, Measurement, Status};
 use tribochaos::output::store::MapStore;
 
 fn has_xarray() -> bool {

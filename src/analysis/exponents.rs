@@ -5,7 +5,7 @@
 use crate::backend::BackendError;
 use crate::experiment::Settings;
 use crate::grid::{Axis, Fixed, Grid};
-use crate::measurement::Measurement;
+use crate::measure::Measurement;
 use crate::parameters::{Parameter, ParameterSet};
 use crate::sweep::{Backends, Observer};
 

@@ -11,7 +11,7 @@
 use crate::backend::BackendError;
 use crate::experiment::{Scheme, Settings};
 use crate::grid::{Axis, Coordinate, Fixed, Grid};
-use crate::measurement::{Class, Measurement, Status};
+use crate::measure::{Class, Measurement, Status};
 use crate::parameters::Parameter;
 use crate::sweep::{Backends, Observer};
 

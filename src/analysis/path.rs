@@ -9,8 +9,9 @@ use crate::dynamics::taylor::series::UNITS_PER_PERIOD;
 use crate::dynamics::taylor::{self, COEFFICIENTS, Flow};
 use crate::experiment::{Scheme, Settings};
 use crate::lanes::LONG_PERIOD_TICKS;
-use crate::measurement::{RUNAWAY_BOUND, Status};
+use crate::measure::Status;
 use crate::model::motion::Motion;
+use crate::model::motion::RUNAWAY_BOUND;
 use crate::parameters::{Parameter, ParameterSet};
 
 /// A point on the path of an orbit.

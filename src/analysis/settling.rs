@@ -8,11 +8,10 @@ use super::Progress;
 use super::exponents::from;
 use super::orbits::is_bounded;
 use crate::backend::cpu::CpuBackend;
-use crate::backend::fallback;
-use crate::backend::{Backend, BackendError, EndState, Slice, Stage, Sums};
+use crate::backend::{Backend, BackendError, BackendKind, EndState, Slice, Stage, Sums};
 use crate::dynamics::stroboscope::{most_states, period_of, span_of};
 use crate::experiment::{Precision, Scheme, Settings};
-use crate::measurement::BackendKind;
+use crate::measure::fallback;
 use crate::parameters::ParameterSet;
 
 /// An orbit has settled on the cycle that it ends on from where x and y stay this near to the cycle's, phase by phase. Cycles

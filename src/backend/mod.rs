@@ -1,23 +1,18 @@
-//! Backends carry batches of instances on in time; the drivers here turn what they sum up into measurements.
+//! Backends carry batches of instances on in time; what they sum up is turned into measurements by [`measure`](crate::measure).
 //!
 //! Owns the contract between the host and a backend. Knows nothing of grids, files or progress bars.
 
+pub mod contact;
 pub mod cpu;
-mod cycle;
-mod early;
-mod evaluation;
-pub(crate) mod fallback;
 pub mod gpu;
-mod run;
-mod scheme_error;
+pub mod kind;
 pub mod twins;
-mod undriven;
 
-pub use run::measure_batch;
+pub use self::contact::Contact;
+pub use self::kind::BackendKind;
 
 use crate::dynamics::divergence_check;
 use crate::experiment::Settings;
-use crate::measurement::{BackendKind, Contact};
 use crate::parameters::ParameterSet;
 
 /// What the forcing periods of a slice are for.
@@ -74,7 +69,8 @@ pub struct Sums {
 }
 
 impl Sums {
-    fn add(&mut self, other: &Self) {
+    /// Adds the sums over other periods.
+    pub fn add(&mut self, other: &Self) {
         self.growth[0] += other.growth[0];
         self.growth[1] += other.growth[1];
         self.birkhoff += other.birkhoff;

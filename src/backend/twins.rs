@@ -138,7 +138,7 @@ mod tests {
     fn different_arithmetic_is_told_apart() {
         struct Broken(CpuBackend);
         impl Backend for Broken {
-            fn kind(&self) -> crate::measurement::BackendKind {
+            fn kind(&self) -> crate::backend::BackendKind {
                 self.0.kind()
             }
             fn device(&self) -> String {

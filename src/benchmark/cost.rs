@@ -6,8 +6,9 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use super::median;
-use crate::backend::{Backend, BackendError, measure_batch};
+use crate::backend::{Backend, BackendError};
 use crate::experiment::Settings;
+use crate::measure::measure_batch;
 use crate::parameters::ParameterSet;
 
 /// Nanoseconds that one forcing period of one instance takes.

@@ -9,8 +9,9 @@ use serde::Serialize;
 
 use super::{every, median, plane};
 use crate::backend::cpu::CpuBackend;
-use crate::backend::{Backend, BackendError, measure_batch};
+use crate::backend::{Backend, BackendError};
 use crate::experiment::{Precision, Settings};
+use crate::measure::measure_batch;
 use crate::parameters::ParameterSet;
 
 /// Rounds, of which the median is taken; the threads of one round are timed in turn.

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use tribochaos::analysis::exponents::{Line, lines};
 use tribochaos::experiment::{Experiment, Request, Settings};
 use tribochaos::grid::Axis;
-use tribochaos::measurement::{Measurement, Status};
+use tribochaos::measure::{Measurement, Status};
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts};
 use tribochaos::parameters::Parameter;

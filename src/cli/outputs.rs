@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, anyhow, bail};
 use tribochaos::experiment::Experiment;
 use tribochaos::map::{self, ParameterMap};
-use tribochaos::measurement::Quantity;
+use tribochaos::measure::Quantity;
 use tribochaos::output::picture::{self, Style};
 use tribochaos::output::store::{self, MapStore};
 use tribochaos::output::{PROGRAM, csv, png};

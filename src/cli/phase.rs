@@ -6,7 +6,7 @@ use tribochaos::analysis::exponents::from;
 use tribochaos::analysis::path::path;
 use tribochaos::experiment::{Request, Settings};
 use tribochaos::grid::Coordinate;
-use tribochaos::measurement::Status;
+use tribochaos::measure::Status;
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts};
 use tribochaos::parameters::Parameter;

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::dynamics::spectrum::{Spectrum, lyapunov_spectrum};
 use tribochaos::experiment::{BackendChoice, Experiment, Precision, Request, Scheme, Settings};
-use tribochaos::measurement::{Measurement, Status, is_scheme_to_blame};
+use tribochaos::measure::{Measurement, Status, is_scheme_to_blame};
 use tribochaos::parameters::Parameter;
 use tribochaos::sweep::{Backends, choice};
 
@@ -194,7 +194,7 @@ fn print(experiment: &Experiment, m: &Measurement, by_default: Option<&Measureme
     let at = &experiment.grid.fixed;
     say!(
         "class               {}",
-        m.class.map_or("-", tribochaos::measurement::Class::name)
+        m.class.map_or("-", tribochaos::measure::Class::name)
     );
     if m.lyapunov_error.is_nan() {
         say!(

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::anyhow;
 use clap::Args;
-use tribochaos::measurement::Quantity;
+use tribochaos::measure::Quantity;
 use tribochaos::output::colour::ColourScale;
 use tribochaos::output::picture::Style;
 use tribochaos::output::store::MapStore;

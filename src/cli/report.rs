@@ -7,7 +7,7 @@ use tribochaos::experiment::{Experiment, Scheme, Settings};
 use tribochaos::grid::Coordinate;
 use tribochaos::machine::units::si;
 use tribochaos::map::{self, ParameterMap};
-use tribochaos::measurement::{Class, Quantity, is_scheme_to_blame};
+use tribochaos::measure::{Class, Quantity, is_scheme_to_blame};
 use tribochaos::sweep;
 use tribochaos::sweep::audit::Audit;
 use tribochaos::sweep::choice::Choice;

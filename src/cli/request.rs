@@ -14,9 +14,8 @@ use tribochaos::dynamics::stroboscope::LEAST_WINDOW;
 use tribochaos::experiment::{BackendChoice, InitialBox, Precision, Preset, Request, Scheme, Settings};
 use tribochaos::grid::{Axis, Coordinate};
 use tribochaos::machine::{Description, governing};
-use tribochaos::measurement::{
-    CHAOTIC_GROWTH, DEFECT_BOUND, QUASI_PERIODIC_BOUND, QUASI_PERIODIC_ERROR, RUNAWAY_BOUND,
-};
+use tribochaos::measure::{CHAOTIC_GROWTH, DEFECT_BOUND, QUASI_PERIODIC_BOUND, QUASI_PERIODIC_ERROR};
+use tribochaos::model::motion::RUNAWAY_BOUND;
 use tribochaos::parameters::{PARAMETERS, Parameter};
 
 use super::Failure;

@@ -5,10 +5,11 @@
 use std::f64::consts::TAU;
 
 use serde_json::{Value, json};
+use tribochaos::backend::Contact;
 use tribochaos::grid::Fixed;
 use tribochaos::machine::units::si;
 use tribochaos::machine::{Machine, Scale, SiQuantity};
-use tribochaos::measurement::{Contact, Measurement};
+use tribochaos::measure::Measurement;
 
 /// A dimensionless value in SI units, to stand behind it: ` (35.06 MPa)`; nothing without a machine.
 pub fn behind(at: &Fixed, value: f64, scale: Scale) -> String {

@@ -4,11 +4,12 @@
 
 use super::PROGRAM;
 use super::ticks::{number, rounded};
+use crate::backend::BackendKind;
 use crate::experiment::{Scheme, Settings};
 use crate::grid::{Axis, Coordinate, Fixed};
 use crate::machine::units::{Unit, five_digits};
 use crate::map::{CLOSED, ParameterMap, least_region};
-use crate::measurement::{BackendKind, QUANTITIES, Quantity, Values};
+use crate::measure::{QUANTITIES, Quantity, Values};
 use crate::parameters::{PARAMETERS, Parameter};
 
 /// The paragraphs of the caption.

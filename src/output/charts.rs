@@ -13,7 +13,7 @@ use crate::analysis::exponents::Line;
 use crate::analysis::melnikov::Curve;
 use crate::analysis::path::PathPoint;
 use crate::machine::units::{Unit, five_digits};
-use crate::measurement::Measurement;
+use crate::measure::Measurement;
 use crate::model::melnikov::Threshold;
 
 /// Ends of an axis that are given beforehand; None takes them from the data.
@@ -397,8 +397,9 @@ mod tests {
     use super::super::sheet::Sheet;
     use super::*;
     use crate::analysis::melnikov::threshold_curve;
+    use crate::backend::BackendKind;
     use crate::grid::Axis;
-    use crate::measurement::{BackendKind, Status};
+    use crate::measure::Status;
     use crate::parameters::ParameterSet;
 
     fn svg(panel: Panel) -> String {

@@ -12,7 +12,7 @@ use super::ticks::{round_step, round_up};
 use crate::experiment::Experiment;
 use crate::machine::units::Unit;
 use crate::map::{ParameterMap, drawn_border};
-use crate::measurement::{Class, Quantity, Values};
+use crate::measure::{Class, Quantity, Values};
 
 /// How a picture is drawn.
 #[derive(Clone, Debug)]

@@ -171,7 +171,7 @@ fn every_quantity_of_every_map_can_be_drawn() {
         vec![-1.0, 0.5, f64::NAN, 1e-300, -3e5],
     ] {
         let map = samples::map("epsilon_0=1e-6:2e-6:3", "h1=2:0:2", &exponents);
-        for info in crate::measurement::QUANTITIES {
+        for info in crate::measure::QUANTITIES {
             let figure = quantity_picture(&map, info.quantity, &small()).unwrap();
             figure.render().unwrap();
         }

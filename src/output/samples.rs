@@ -1,10 +1,11 @@
 //! Made-up maps for the tests of the output layer.
 
+use crate::backend::{BackendKind, Contact};
 use crate::experiment::{Experiment, Request};
 use crate::grid::Axis;
 use crate::machine::{Description, TEMPLATE};
 use crate::map::ParameterMap;
-use crate::measurement::{BackendKind, Class, Contact, Measurement, Status};
+use crate::measure::{Class, Measurement, Status};
 
 pub fn experiment(x: &str, y: &str) -> Experiment {
     let request = Request {

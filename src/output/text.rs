@@ -132,7 +132,7 @@ fn escape(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measurement::QUANTITIES;
+    use crate::measure::QUANTITIES;
     use crate::parameters::PARAMETERS;
 
     #[test]

@@ -5,11 +5,12 @@
 use super::table::{Row, Value};
 use super::{Data, Effort, Observer, Outcome, PaperError};
 use crate::analysis::path::path;
+use crate::backend::BackendKind;
 use crate::backend::cpu::CpuBackend;
 use crate::dynamics::history::{History, Sample, history};
 use crate::experiment::{Precision, Preset, Scheme, Settings};
 use crate::grid::Grid;
-use crate::measurement::{BackendKind, Class, Measurement};
+use crate::measure::{Class, Measurement};
 use crate::output::histories::{self, Course, courses, curve};
 use crate::output::panel::Panel;
 use crate::output::sheet::Sheet;

@@ -9,7 +9,7 @@ use crate::backend::BackendError;
 use crate::backend::cpu::CpuBackend;
 use crate::experiment::Precision;
 use crate::map::ParameterMap;
-use crate::measurement::{Class, Quantity};
+use crate::measure::{Class, Quantity};
 
 /// Agreement of audited points with the f64 reference.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -136,8 +136,9 @@ pub fn audit(map: &ParameterMap, points: usize, observer: &mut Observer<'_>) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::BackendKind;
     use crate::experiment::Request;
-    use crate::measurement::{BackendKind, Measurement, Status};
+    use crate::measure::{Measurement, Status};
 
     /// A map of 10 x 10 points: three chaotic, one undecided, the rest regular.
     fn map() -> ParameterMap {

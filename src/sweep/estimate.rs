@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use super::{Backends, Event, instance_periods};
 use crate::backend::BackendError;
+use crate::backend::BackendKind;
 use crate::experiment::Experiment;
-use crate::measurement::BackendKind;
 
 /// A sample that takes so long tells enough...
 const ENOUGH: Duration = Duration::from_secs(1);

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::experiment::Settings;
-use crate::measurement::{Class, Measurement, Status};
+use crate::measure::{Class, Measurement, Status};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// The initial states besides (x0, y0): uniform in the box, the same for every point, reproducible from the seed.
@@ -113,7 +113,7 @@ fn same_attractor(a: &Measurement, b: &Measurement, period_tolerance: f64) -> bo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measurement::BackendKind;
+    use crate::backend::BackendKind;
 
     fn orbit(class: Class, lyapunov: f64, period: Option<u32>, x_min: f64, x_max: f64) -> Measurement {
         let runaway = Measurement::runaway(1.0, BackendKind::CpuF64);

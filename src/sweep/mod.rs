@@ -9,10 +9,10 @@ pub mod initial_states;
 
 use std::ops::ControlFlow;
 
-use crate::backend::{self, Backend, BackendError};
+use crate::backend::{Backend, BackendError};
 use crate::experiment::{Experiment, Settings};
 use crate::grid::Grid;
-use crate::measurement::{Measurement, Status};
+use crate::measure::{self, Measurement, Status};
 use crate::parameters::ParameterSet;
 
 /// Instance-periods of `points` points: the work of a sweep.
@@ -130,7 +130,7 @@ fn measure_states(
     instances: &[ParameterSet],
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<Vec<Measurement>>, BackendError> {
-    let Some(mut measured) = backend::measure_batch(backend, settings, instances, progress)? else {
+    let Some(mut measured) = measure::measure_batch(backend, settings, instances, progress)? else {
         return Ok(None);
     };
     let unsettled = initial_states::unsettled(settings, instances, &measured);
@@ -141,7 +141,7 @@ fn measure_states(
     // what was announced has been done
     let progress = &mut |_| progress(0);
     let longer = initial_states::carried_on(settings);
-    let Some(again) = backend::measure_batch(backend, &longer, &begun, progress)? else {
+    let Some(again) = measure::measure_batch(backend, &longer, &begun, progress)? else {
         return Ok(None);
     };
     for (index, again) in indices.into_iter().zip(again) {

@@ -6,10 +6,11 @@ use std::ops::ControlFlow;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+use tribochaos::backend::Backend;
 use tribochaos::backend::cpu::CpuBackend;
-use tribochaos::backend::{Backend, measure_batch};
 use tribochaos::experiment::{Precision, Scheme, Settings};
-use tribochaos::measurement::Measurement;
+use tribochaos::measure::Measurement;
+use tribochaos::measure::measure_batch;
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 /// Settings with every number that enters a result written out, so that a changed default moves no reference value.

@@ -1,7 +1,8 @@
 //! Classes of motion, periods and runaways at points where they are certain.
 
 use tribochaos::experiment::Settings;
-use tribochaos::measurement::{Class, Measurement, RUNAWAY_BOUND, Status};
+use tribochaos::measure::{Class, Measurement, Status};
+use tribochaos::model::motion::RUNAWAY_BOUND;
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 use crate::common::{PRECISIONS, from_state, measure, pinned_settings, point};

@@ -4,9 +4,9 @@
 use std::ops::ControlFlow;
 
 use tribochaos::backend::cpu::CpuBackend;
-use tribochaos::backend::measure_batch;
 use tribochaos::experiment::{Precision, Preset, Settings};
-use tribochaos::measurement::{Class, Measurement, Status};
+use tribochaos::measure::measure_batch;
+use tribochaos::measure::{Class, Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 /// Ends of zeta_k: its whole range, and where chaos sets in without heat.

@@ -5,7 +5,7 @@ use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::{Backend, Slice, Stage};
 use tribochaos::dynamics::reference::ReferenceOrbit;
 use tribochaos::experiment::{Precision, Request, Scheme, Settings};
-use tribochaos::measurement::{Class, Measurement, Status};
+use tribochaos::measure::{Class, Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 use crate::common::{PRECISIONS, from_state, measure};

@@ -2,7 +2,7 @@
 //! escapes. Every case holds on every scheme that claims it, in both number types.
 
 use tribochaos::experiment::{Precision, Preset, Scheme, Settings};
-use tribochaos::measurement::{Class, Measurement, Status};
+use tribochaos::measure::{Class, Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 use crate::common::{PRECISIONS, measure, point};

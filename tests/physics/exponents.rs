@@ -3,7 +3,7 @@
 use tribochaos::dynamics::spectrum::lyapunov_spectrum;
 use tribochaos::dynamics::statistics;
 use tribochaos::experiment::{Precision, Settings};
-use tribochaos::measurement::{Class, Measurement, Status};
+use tribochaos::measure::{Class, Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 use crate::common::{PRECISIONS, Random, from_state, measure, pinned_settings, point};

@@ -6,9 +6,9 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 use tribochaos::backend::cpu::CpuBackend;
-use tribochaos::backend::measure_batch;
 use tribochaos::experiment::{MAX_MODES, Precision, Request, Settings};
-use tribochaos::measurement::Measurement;
+use tribochaos::measure::Measurement;
+use tribochaos::measure::measure_batch;
 use tribochaos::model::thermal_modes::ThermalModes;
 use tribochaos::parameters::Parameter;
 

@@ -5,7 +5,7 @@ use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
 use tribochaos::dynamics::spectrum::lyapunov_spectrum;
 use tribochaos::dynamics::statistics;
 use tribochaos::experiment::{Precision, Settings};
-use tribochaos::measurement::{Class, Measurement, QUANTITIES};
+use tribochaos::measure::{Class, Measurement, QUANTITIES};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 use crate::common::{PRECISIONS, measure, measure_on, pinned_settings, point};

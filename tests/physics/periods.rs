@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::experiment::{Experiment, Precision, Request, Settings};
 use tribochaos::grid::Axis;
-use tribochaos::measurement::Class;
+use tribochaos::measure::Class;
 use tribochaos::parameters::{Parameter, ParameterSet};
 use tribochaos::sweep::{Backends, initial_states};
 

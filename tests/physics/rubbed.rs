@@ -4,13 +4,13 @@
 use std::ops::ControlFlow;
 
 use tribochaos::backend::cpu::CpuBackend;
-use tribochaos::backend::measure_batch;
 use tribochaos::dynamics::adaptive::{Control, Orbit, Peaks, System, Tangent};
 use tribochaos::dynamics::history::{Sample, history};
 use tribochaos::dynamics::radau::ModeStep;
 use tribochaos::experiment::{Precision, Preset, Scheme, Settings};
 use tribochaos::lanes::Real;
-use tribochaos::measurement::{Class, Measurement, Status};
+use tribochaos::measure::measure_batch;
+use tribochaos::measure::{Class, Measurement, Status};
 use tribochaos::model::rubbing::HeatModes;
 use tribochaos::model::thermal_modes::ThermalModes;
 use tribochaos::parameters::{Parameter, ParameterSet};

@@ -1,7 +1,7 @@
 //! Standard errors that can be believed.
 
 use tribochaos::experiment::{Precision, Settings};
-use tribochaos::measurement::Class;
+use tribochaos::measure::Class;
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 use crate::common::{Random, from_state, measure, pinned_settings, point};

@@ -1,5 +1,6 @@
 //! The Taylor scheme against the reference integrator, and its tangent recurrences against dual numbers.
 
+use tribochaos::backend::BackendKind;
 use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
 use tribochaos::backend::{Backend, EndState, Slice, Stage};
 use tribochaos::benchmark::{self, accuracy::References};
@@ -7,7 +8,7 @@ use tribochaos::dynamics::reference::{Reference, ReferenceOrbit};
 use tribochaos::dynamics::tangent::Vector;
 use tribochaos::dynamics::taylor::series::{Local, Series};
 use tribochaos::experiment::{Precision, Scheme, Settings};
-use tribochaos::measurement::{BackendKind, Status};
+use tribochaos::measure::Status;
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 use crate::common::{PRECISIONS, Random, measure, pinned_settings, point};

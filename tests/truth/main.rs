@@ -25,9 +25,10 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
-use tribochaos::backend::{Backend, BackendError, measure_batch};
+use tribochaos::backend::{Backend, BackendError};
 use tribochaos::experiment::{Precision, Scheme, Settings};
-use tribochaos::measurement::{Measurement, Status};
+use tribochaos::measure::measure_batch;
+use tribochaos::measure::{Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 use attractor::Truth;

@@ -14,8 +14,9 @@
 //! - **unknown**: the reference itself gave up.
 
 use tribochaos::backend::Backend;
+use tribochaos::backend::BackendKind;
 use tribochaos::experiment::Settings;
-use tribochaos::measurement::{BackendKind, Class, Measurement, Status};
+use tribochaos::measure::{Class, Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 use super::attractor::{Effort, Truth, follow};

@@ -19,9 +19,9 @@ use self::radau::RadauBlock;
 use self::rk4::Rk4Block;
 use self::taylor::TaylorBlock;
 use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
+use crate::backend::BackendKind;
 use crate::experiment::{Precision, Scheme, Settings};
 use crate::lanes::{Pair, Real, Wide};
-use crate::measurement::BackendKind;
 use crate::parameters::ParameterSet;
 
 #[cfg(all(target_arch = "x86_64", not(test)))]

@@ -6,13 +6,13 @@
 use super::super::{BackendError, EndState, Slice, Stage, Sums};
 use super::Block;
 use super::record::{Measuring, Record};
+use crate::backend::Contact;
 use crate::dynamics::adaptive::{Control, Orbit, Peaks, Scratch, System, Tangent};
 use crate::dynamics::divergence_check::growth_of_first;
 use crate::dynamics::radau::ModeStep;
 use crate::dynamics::tangent::Vector;
 use crate::experiment::Settings;
 use crate::lanes::{Mask, Real};
-use crate::measurement::Contact;
 use crate::model::rubbing::{HeatModes, Spectra};
 use crate::parameters::{Parameter, ParameterSet};
 

@@ -3,12 +3,13 @@
 //! Owns sums, extremes, the stroboscope, runaways and under-resolved lanes; steps nothing.
 
 use super::super::{EndState, Sums};
+use crate::backend::Contact;
 use crate::dynamics::statistics;
 use crate::dynamics::stroboscope::{self, Stroboscope};
 use crate::dynamics::tangent::Growth;
 use crate::experiment::Settings;
 use crate::lanes::{Mask, Real};
-use crate::measurement::{Contact, RUNAWAY_BOUND};
+use crate::model::motion::RUNAWAY_BOUND;
 
 /// What all instances of a batch share of a measurement.
 pub(super) struct Measuring {

@@ -5,12 +5,12 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::backend::Contact;
 use crate::backend::{EndState, Sums};
 use crate::dynamics::drive::DriveTable;
 use crate::dynamics::stroboscope;
 use crate::dynamics::taylor;
 use crate::experiment::{Scheme, Settings};
-use crate::measurement::Contact;
 use crate::parameters::{Parameter, ParameterSet};
 
 /// The bindings of group 0, as numbered in the shader.

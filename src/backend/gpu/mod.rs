@@ -23,9 +23,9 @@ use self::pacer::{Load, Pacer};
 use self::rubbed::RubbedBatch;
 use self::shader_source::{Kernel, Shader};
 use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
+use crate::backend::BackendKind;
 use crate::dynamics::divergence_check::{alike, is_checked};
 use crate::experiment::{MAX_MODES, Scheme, Settings};
-use crate::measurement::BackendKind;
 use crate::parameters::ParameterSet;
 
 /// Instances that fill the largest devices.

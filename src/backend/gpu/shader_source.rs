@@ -9,7 +9,7 @@ use crate::dynamics::divergence_check::CHECKED_EVERY;
 use crate::dynamics::stroboscope::LEAST_WINDOW;
 use crate::dynamics::tangent::SMALLEST_SQUARE;
 use crate::experiment::Scheme;
-use crate::measurement::RUNAWAY_BOUND;
+use crate::model::motion::RUNAWAY_BOUND;
 
 /// Name, below `shaders/`, and text of a piece.
 pub type Piece = (&'static str, &'static str);

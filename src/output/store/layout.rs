@@ -7,7 +7,7 @@ use zarrs::array::{ArrayBuilder, ArrayMetadataOptions, DataType, data_type};
 
 use crate::grid::{Axis, Fixed};
 use crate::machine::Scale;
-use crate::measurement::{QUANTITIES, QuantityInfo, Values};
+use crate::measure::{QUANTITIES, QuantityInfo, Values};
 
 /// Marks a group as a map.
 pub const FORMAT: &str = "tribochaos map";

@@ -18,7 +18,7 @@ use super::{PROGRAM, write_whole};
 use crate::experiment::{Experiment, Request};
 use crate::grid::Axis;
 use crate::map::ParameterMap;
-use crate::measurement::{Measurement, QUANTITIES, Quantity, QuantityInfo, Values};
+use crate::measure::{Measurement, QUANTITIES, Quantity, QuantityInfo, Values};
 
 mod error;
 mod layout;

@@ -1,8 +1,8 @@
 use serde_json::json;
 
 use super::*;
+use crate::backend::BackendKind;
 use crate::machine::Scale;
-use crate::measurement::BackendKind;
 use crate::output::samples::{experiment, machine_experiment, measurement};
 use crate::parameters::PARAMETERS;
 

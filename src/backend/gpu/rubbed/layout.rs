@@ -6,11 +6,11 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::backend::Contact;
 use crate::backend::{EndState, Sums};
 use crate::dynamics::adaptive::{self, Control, System, Tangent};
 use crate::dynamics::stroboscope;
 use crate::experiment::Settings;
-use crate::measurement::Contact;
 use crate::model::rubbing::HeatModes;
 use crate::parameters::{Parameter, ParameterSet};
 

@@ -13,7 +13,7 @@ use crate::dynamics::radau::{ERROR_WEIGHT, MAX_ITERATIONS};
 use crate::dynamics::stroboscope::LEAST_WINDOW;
 use crate::dynamics::tangent::{COMFORTABLE, SMALLEST_SQUARE};
 use crate::lanes::Real;
-use crate::measurement::RUNAWAY_BOUND;
+use crate::model::motion::RUNAWAY_BOUND;
 
 macro_rules! pieces {
     ($($name:literal)*) => {

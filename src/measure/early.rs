@@ -13,11 +13,11 @@ use std::ops::{ControlFlow, Range};
 
 use super::cycle::{self, Candidate};
 use super::evaluation::{Ended, Growth, runaway};
-use super::run::{Start, measure_alike};
-use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
+use super::whole_run::{self, Start};
+use super::{CONSTANT_GROWTH, Class, Measurement, Status};
+use crate::backend::{Backend, BackendError, BackendKind, Contact, EndState, Slice, Stage, Sums};
 use crate::dynamics::statistics::Spread;
 use crate::experiment::Settings;
-use crate::measurement::{BackendKind, CONSTANT_GROWTH, Class, Contact, Measurement, Status};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// Lengths of the first legs, in forcing periods: the motion alone at first, then with its tangent vectors. Most cycles are
@@ -350,7 +350,7 @@ impl Batch<'_> {
             elapsed,
             tangents: Some(&tangents),
         };
-        let Some(measured) = measure_alike(backend, &settings, &instances, start, progress)? else {
+        let Some(measured) = whole_run::measure(backend, &settings, &instances, start, progress)? else {
             return Ok(None);
         };
         for (live, measurement) in self.live.iter().zip(measured) {

@@ -5,11 +5,11 @@
 use std::collections::BTreeMap;
 
 use super::evaluation::{checked, is_resolved, missed_by_scheme};
-use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
+use super::{Class, Measurement, Status};
+use crate::backend::{Backend, BackendError, BackendKind, Contact, EndState, Slice, Stage, Sums};
 use crate::dynamics::divergence_check::CHECKED_EVERY;
 use crate::dynamics::floquet::{Multipliers, Turn};
 use crate::experiment::Settings;
-use crate::measurement::{BackendKind, Class, Contact, Measurement, Status};
 use crate::parameters::ParameterSet;
 
 /// Turns that are watched: two for the multipliers, one more for how sure they are.

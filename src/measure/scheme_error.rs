@@ -6,11 +6,10 @@
 
 use std::ops::ControlFlow;
 
-use super::cpu::CpuBackend;
-use super::run::measure_constant;
-use super::{Backend, BackendError, Slice, Stage};
+use super::{Class, Measurement, QUASI_PERIODIC_ERROR, Status, fallback};
+use crate::backend::cpu::CpuBackend;
+use crate::backend::{Backend, BackendError, Slice, Stage};
 use crate::experiment::{Precision, Scheme, Settings};
-use crate::measurement::{Class, Measurement, QUASI_PERIODIC_ERROR, Status};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// Two exponents differ by chance by up to so many times what their errors add up to.
@@ -54,7 +53,7 @@ pub(super) fn add(
     // the scheme's own run was reported as all that there is to do
     let mut unheard = |_| progress(0);
     let mut backend = CpuBackend::new(Precision::F64);
-    let Some(again) = measure_constant(&mut backend, &finer, &begun, &mut unheard)? else {
+    let Some(again) = fallback::measure(&mut backend, &finer, &begun, &mut unheard)? else {
         return Ok(None);
     };
     for (index, finer) in indices.into_iter().zip(again) {
@@ -186,7 +185,7 @@ fn beyond_chance([a, a_error]: [f64; 2], [b, b_error]: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measurement::BackendKind;
+    use crate::backend::BackendKind;
 
     fn orbit(class: Class, lyapunov: f64, error: f64, period: Option<u32>) -> Measurement {
         Measurement {

@@ -1,6 +1,6 @@
-//! The run of a batch, decided early or at full length: transient, alignment, measurement.
+//! The run of a batch at full length: transient, alignment, measurement.
 //!
-//! Owns their order, and slices short enough for progress to show; evaluates nothing.
+//! Owns their order, and slices short enough for progress to show; decides nothing early.
 
 use std::ops::ControlFlow;
 
@@ -8,10 +8,10 @@ use rayon::prelude::*;
 
 use super::cycle::{self, Candidate};
 use super::evaluation::{Ended, Growth};
-use super::{Backend, BackendError, EndState, Slice, Stage, Sums, early, fallback, scheme_error, undriven};
+use super::{Measurement, Status};
+use crate::backend::{Backend, BackendError, BackendKind, EndState, Slice, Stage, Sums};
 use crate::dynamics::statistics;
 use crate::experiment::{Scheme, Settings};
-use crate::measurement::{BackendKind, Measurement, Status};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// Longest slice, so that progress shows and a run can be cancelled.
@@ -20,109 +20,8 @@ const LONGEST_SLICE: u32 = 16;
 /// Batches of the measurement that begin before this many periods are summed up period by period, for the scatter of single ones.
 const SAMPLED: u32 = 64;
 
-/// Runs a batch from its initial states to its measurements. `progress` hears after every slice how many
-/// instance-periods of a run at full length it did, and may break the run off; then None is returned.
-///
-/// Instances whose contact wears have no transient: all their motion is one, and everything of it is measured, over
-/// `settings.periods`.
-///
-/// # Errors
-/// If the backend fails, or the scheme that was asked for does not carry the heat and wear of an instance.
-pub fn measure_batch(
-    backend: &mut dyn Backend,
-    settings: &Settings,
-    instances: &[ParameterSet],
-    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
-) -> Result<Option<Vec<Measurement>>, BackendError> {
-    let settings = settings
-        .for_model(instances.iter().any(ParameterSet::is_rubbed))
-        .map_err(|error| BackendError::Unsupported(error.to_string()))?;
-    let with = |wanted: &dyn Fn(&ParameterSet) -> bool| -> Vec<usize> {
-        (0..instances.len())
-            .filter(|&index| wanted(&instances[index]))
-            .collect()
-    };
-    let constant = with(&|set| !set.is_rubbed());
-    let heated = with(&|set| set.is_rubbed() && !set.wears());
-    let wearing = with(&ParameterSet::wears);
-    let mut measured = vec![None; instances.len()];
-    let whole_run = u64::from(settings.transient_periods) + u64::from(settings.periods);
-    let from_the_start = Settings {
-        transient_periods: 0,
-        align_periods: 0,
-        ..settings.clone()
-    };
-    for (indices, settings, share) in [
-        (constant, &settings, whole_run),
-        (heated, &settings, whole_run),
-        (wearing, &from_the_start, u64::from(settings.periods)),
-    ] {
-        if indices.is_empty() {
-            continue;
-        }
-        let instances: Vec<_> = indices
-            .iter()
-            .map(|&index| undriven::instance(&instances[index]))
-            .collect();
-        // all kinds count as a whole run, which is what was announced
-        let progress = &mut |instance_periods: u64| progress(instance_periods * whole_run / share);
-        let batch = if instances[0].is_rubbed() {
-            measure_alike(backend, settings, &instances, Start::default(), progress)?
-        } else {
-            measure_constant(backend, settings, &instances, progress)?
-        };
-        let Some(batch) = batch else {
-            return Ok(None);
-        };
-        for (index, measurement) in indices.into_iter().zip(batch) {
-            measured[index] = Some(measurement);
-        }
-    }
-    Ok(measured.into_iter().collect())
-}
-
-/// Measures instances of constant contact pressure; what the scheme could not finish is completed, and what it may be wrong by is
-/// part of the errors.
-pub(super) fn measure_constant(
-    backend: &mut dyn Backend,
-    settings: &Settings,
-    instances: &[ParameterSet],
-    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
-) -> Result<Option<Vec<Measurement>>, BackendError> {
-    let Some(mut measured) = measure_lasting(backend, settings, instances, progress)? else {
-        return Ok(None);
-    };
-    if fallback::complete(settings, backend.kind(), instances, &mut measured, progress)?.is_none() {
-        return Ok(None);
-    }
-    let estimated = scheme_error::add(settings, instances, &mut measured, progress)?;
-    Ok(estimated.map(|()| measured))
-}
-
-/// Measures instances of constant contact pressure by one scheme, early if that was asked for.
-pub(super) fn measure_lasting(
-    backend: &mut dyn Backend,
-    settings: &Settings,
-    instances: &[ParameterSet],
-    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
-) -> Result<Option<Vec<Measurement>>, BackendError> {
-    let sums_all = sums_all(backend, settings);
-    let measured = if settings.decide_early && sums_all {
-        early::measure(backend, settings, instances, progress)?
-    } else {
-        measure_alike(backend, settings, instances, Start::default(), progress)?
-    };
-    let Some(mut measured) = measured else {
-        return Ok(None);
-    };
-    if sums_all {
-        undriven::measure_limit_cycles(backend, settings, instances, &mut measured)?;
-    }
-    Ok(Some(measured))
-}
-
 /// Whether the divergence is summed up, without which multipliers are not known: not by the GPU's kernel of radau.
-fn sums_all(backend: &dyn Backend, settings: &Settings) -> bool {
+pub(super) fn sums_all(backend: &dyn Backend, settings: &Settings) -> bool {
     settings.scheme() != Scheme::Radau || backend.kind() != BackendKind::GpuF32
 }
 
@@ -136,7 +35,7 @@ pub(super) struct Start<'a> {
 }
 
 /// Runs a batch of instances, all of which wear or none, at the full length of the settings.
-pub(super) fn measure_alike(
+pub(super) fn measure(
     backend: &mut dyn Backend,
     settings: &Settings,
     instances: &[ParameterSet],
@@ -214,9 +113,7 @@ pub(super) fn measure_alike(
             })
         })
         .collect();
-    if instances[0].is_rubbed() {
-        scheme_error::add_with_heat(backend, settings, instances, elapsed, &mut measured)?;
-    } else if sums_all(backend, settings) {
+    if !instances[0].is_rubbed() && sums_all(backend, settings) {
         measure_cycles(backend, settings, instances, &ends, &mut measured)?;
     }
     Ok(Some(measured))

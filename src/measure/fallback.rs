@@ -9,12 +9,11 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::cpu::CpuBackend;
-use super::run::{measure_constant, measure_lasting};
-use super::{Backend, BackendError, Slice, Stage};
+use super::{Measurement, Status, one_scheme};
+use crate::backend::cpu::CpuBackend;
+use crate::backend::{Backend, BackendError, BackendKind, Slice, Stage};
 use crate::dynamics::taylor::escape::escape_time;
 use crate::experiment::{Precision, Scheme, Settings};
-use crate::measurement::{BackendKind, Measurement, Status};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// Error of a step where an exponent is measured.
@@ -55,6 +54,24 @@ pub(crate) fn in_place(settings: &Settings, scheme: Scheme) -> Settings {
     }
 }
 
+/// Measures instances of constant contact pressure, and completes what the scheme of `settings` could not finish. None if `progress`
+/// broke it off.
+///
+/// # Errors
+/// If a backend fails.
+pub(super) fn measure(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    instances: &[ParameterSet],
+    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Result<Option<Vec<Measurement>>, BackendError> {
+    let Some(mut measured) = one_scheme::measure(backend, settings, instances, progress)? else {
+        return Ok(None);
+    };
+    let completed = complete(settings, backend.kind(), instances, &mut measured, progress)?;
+    Ok(completed.map(|()| measured))
+}
+
 /// Completes the measurements of instances of constant contact pressure by the scheme of `settings` on a backend of this `kind`. None
 /// if `progress` broke it off.
 ///
@@ -65,7 +82,7 @@ pub(crate) fn in_place(settings: &Settings, scheme: Scheme) -> Settings {
 ///
 /// # Errors
 /// If the CPU backend fails.
-pub(super) fn complete(
+fn complete(
     settings: &Settings,
     kind: BackendKind,
     instances: &[ParameterSet],
@@ -91,8 +108,8 @@ pub(super) fn complete(
         // they were reported as done before
         let mut unheard = |_| progress(0);
         let anew = match next(scheme, kind) {
-            Scheme::Radau => measure_lasting(&mut backend, &by(Scheme::Radau), &chosen, &mut unheard)?,
-            other => measure_constant(&mut backend, &by(other), &chosen, &mut unheard)?,
+            Scheme::Radau => one_scheme::measure(&mut backend, &by(Scheme::Radau), &chosen, &mut unheard)?,
+            other => measure(&mut backend, &by(other), &chosen, &mut unheard)?,
         };
         let Some(anew) = anew else {
             return Ok(None);

@@ -2,11 +2,11 @@
 //!
 //! Owns the evaluation; carries nothing on.
 
-use super::{EndState, Sums};
+use super::{CONSTANT_GROWTH, Class, Cycle, DEFECT_BOUND, DEFECT_FLOOR, Measurement, Status};
+use crate::backend::{BackendKind, EndState, Sums};
 use crate::dynamics::statistics::{self, Spread};
 use crate::dynamics::stroboscope;
 use crate::experiment::Settings;
-use crate::measurement::{BackendKind, CONSTANT_GROWTH, Class, Cycle, DEFECT_BOUND, DEFECT_FLOOR, Measurement, Status};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// Where growth alternates between bands, batch means are too sure until an orbit has slipped from their order several times. They
@@ -329,8 +329,8 @@ fn reached(cycle: &Cycle, lyapunov: f64, error: f64, settings: &Settings, time: 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::Contact;
     use crate::experiment::Scheme;
-    use crate::measurement::Contact;
 
     /// With heat there are no multipliers: what came before the cycle is left out of the mean.
     #[test]

@@ -4,10 +4,10 @@
 
 use std::ops::Range;
 
-use super::{Backend, BackendError, Slice, Stage};
+use super::{Class, Measurement, Status};
+use crate::backend::{Backend, BackendError, Slice, Stage};
 use crate::dynamics::statistics::{batches, birkhoff_weights, standard_error};
 use crate::experiment::Settings;
-use crate::measurement::{Class, Measurement, Status};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// In place of any other, so that nothing depends on a frequency with which nothing is driven: pi units of tau make what

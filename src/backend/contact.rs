@@ -1,0 +1,48 @@
+//! What a run shows of the contact between bush and shaft.
+
+/// What a run has shown of the contact between bush and shaft.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// tau_c, when the pressure first fell to 0; None where contact held to the end of the run.
+    pub lost: Option<f64>,
+    pub peak_pressure: f64,
+    /// When, in tau from the start of the run.
+    pub peak_pressure_time: f64,
+    /// u_w at the end of the run.
+    pub final_wear: f64,
+    /// Greatest temperature theta(1, tau) of the shaft's surface.
+    pub peak_temperature: f64,
+}
+
+impl Contact {
+    /// A contact that neither heats nor wears.
+    pub const CONSTANT: Self = Self {
+        lost: None,
+        peak_pressure: 1.0,
+        peak_pressure_time: 0.0,
+        final_wear: 0.0,
+        peak_temperature: 0.0,
+    };
+
+    /// Nothing is known of it.
+    pub const UNKNOWN: Self = Self {
+        lost: None,
+        peak_pressure: f64::NAN,
+        peak_pressure_time: f64::NAN,
+        final_wear: f64::NAN,
+        peak_temperature: f64::NAN,
+    };
+
+    /// Names of [`Contact::status_code`].
+    pub const NAMES: &[&str] = &["held", "lost"];
+
+    /// 0 while contact holds, 1 once it is lost.
+    pub fn status_code(&self) -> u8 {
+        self.lost.is_some().into()
+    }
+
+    /// `held` or `lost`.
+    pub fn status_name(&self) -> &'static str {
+        Self::NAMES[usize::from(self.status_code())]
+    }
+}

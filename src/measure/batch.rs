@@ -1,0 +1,102 @@
+//! Batches of any instances: constant pressure, heat, wear.
+//!
+//! Owns which run an instance needs; the runs are made elsewhere.
+
+use std::ops::ControlFlow;
+
+use super::whole_run::{self, Start};
+use super::{Measurement, fallback, scheme_error, undriven};
+use crate::backend::{Backend, BackendError};
+use crate::experiment::Settings;
+use crate::parameters::ParameterSet;
+
+/// Runs a batch from its initial states to its measurements. `progress` hears after every slice how many
+/// instance-periods of a run at full length it did, and may break the run off; then None is returned.
+///
+/// Instances whose contact wears have no transient: all their motion is one, and everything of it is measured, over
+/// `settings.periods`.
+///
+/// # Errors
+/// If the backend fails, or the scheme that was asked for does not carry the heat and wear of an instance.
+pub fn measure_batch(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    instances: &[ParameterSet],
+    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Result<Option<Vec<Measurement>>, BackendError> {
+    let settings = settings
+        .for_model(instances.iter().any(ParameterSet::is_rubbed))
+        .map_err(|error| BackendError::Unsupported(error.to_string()))?;
+    let with = |wanted: &dyn Fn(&ParameterSet) -> bool| -> Vec<usize> {
+        (0..instances.len())
+            .filter(|&index| wanted(&instances[index]))
+            .collect()
+    };
+    let constant = with(&|set| !set.is_rubbed());
+    let heated = with(&|set| set.is_rubbed() && !set.wears());
+    let wearing = with(&ParameterSet::wears);
+    let mut measured = vec![None; instances.len()];
+    let whole_run = u64::from(settings.transient_periods) + u64::from(settings.periods);
+    let from_the_start = Settings {
+        transient_periods: 0,
+        align_periods: 0,
+        ..settings.clone()
+    };
+    for (indices, settings, share) in [
+        (constant, &settings, whole_run),
+        (heated, &settings, whole_run),
+        (wearing, &from_the_start, u64::from(settings.periods)),
+    ] {
+        if indices.is_empty() {
+            continue;
+        }
+        let instances: Vec<_> = indices
+            .iter()
+            .map(|&index| undriven::instance(&instances[index]))
+            .collect();
+        // all kinds count as a whole run, which is what was announced
+        let progress = &mut |instance_periods: u64| progress(instance_periods * whole_run / share);
+        let batch = if instances[0].is_rubbed() {
+            measure_heated(backend, settings, &instances, progress)?
+        } else {
+            measure_constant(backend, settings, &instances, progress)?
+        };
+        let Some(batch) = batch else {
+            return Ok(None);
+        };
+        for (index, measurement) in indices.into_iter().zip(batch) {
+            measured[index] = Some(measurement);
+        }
+    }
+    Ok(measured.into_iter().collect())
+}
+
+/// Measures instances of constant contact pressure; what the scheme could not finish is completed, and what it may be wrong by is
+/// part of the errors.
+fn measure_constant(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    instances: &[ParameterSet],
+    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Result<Option<Vec<Measurement>>, BackendError> {
+    let Some(mut measured) = fallback::measure(backend, settings, instances, progress)? else {
+        return Ok(None);
+    };
+    let estimated = scheme_error::add(settings, instances, &mut measured, progress)?;
+    Ok(estimated.map(|()| measured))
+}
+
+/// Measures instances with heat or wear, all of which wear or none.
+fn measure_heated(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    instances: &[ParameterSet],
+    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Result<Option<Vec<Measurement>>, BackendError> {
+    let Some(mut measured) = whole_run::measure(backend, settings, instances, Start::default(), progress)? else {
+        return Ok(None);
+    };
+    let elapsed = settings.transient_periods + settings.periods;
+    scheme_error::add_with_heat(backend, settings, instances, elapsed, &mut measured)?;
+    Ok(Some(measured))
+}
