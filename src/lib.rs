@@ -4,7 +4,7 @@
 //!
 //! From the bottom to the top; nothing knows of what stands below it in this list:
 //!
-//! - [`parameters`], [`machine`], [`grid`]: the dimensionless quantities of the system, a machine in SI units that gives
+//! - [`parameters`], [`machine`], [`design`]: the dimensionless quantities of the system, a machine in SI units that gives
 //!   them, and axes over either;
 //! - [`lanes`], [`model`]: numbers and physics;
 //! - [`experiment`], [`dynamics`]: what is computed, and the algorithms over the physics;
@@ -37,9 +37,9 @@
 pub mod analysis;
 pub mod backend;
 pub mod benchmark;
+pub mod design;
 pub mod dynamics;
 pub mod experiment;
-pub mod grid;
 pub mod lanes;
 pub mod machine;
 pub mod map;

@@ -5,13 +5,13 @@
 use std::collections::BTreeMap;
 
 use crate::backend::BackendKind;
+use crate::design::Axis;
 use crate::experiment::Experiment;
-use crate::grid::Axis;
 use crate::machine::Beyond;
 use crate::measure::{Class, Measurement, QUANTITIES, Quantity};
 use crate::parameters::Parameter;
 
-/// Values of every quantity at every point of a two-dimensional grid; x varies fastest.
+/// Values of every quantity at every point of a two-dimensional design; x varies fastest.
 #[derive(Clone, Debug)]
 pub struct ParameterMap {
     pub experiment: Experiment,
@@ -24,17 +24,17 @@ impl ParameterMap {
     /// # Panics
     /// If the experiment has not two axes.
     pub fn new(experiment: Experiment) -> Self {
-        assert_eq!(experiment.grid.axes.len(), 2, "a map has two axes");
-        let columns = vec![vec![f64::NAN; experiment.grid.len()]; Quantity::COUNT];
+        assert_eq!(experiment.design.axes().len(), 2, "a map has two axes");
+        let columns = vec![vec![f64::NAN; experiment.design.len()]; Quantity::COUNT];
         Self { experiment, columns }
     }
 
     pub fn x_axis(&self) -> &Axis {
-        &self.experiment.grid.axes[0]
+        &self.experiment.design.axes()[0]
     }
 
     pub fn y_axis(&self) -> &Axis {
-        &self.experiment.grid.axes[1]
+        &self.experiment.design.axes()[1]
     }
 
     /// Values of a quantity, x fastest; NaN where not computed or not applicable.
@@ -51,11 +51,11 @@ impl ParameterMap {
             None if quantity.is_rate() => "1/s",
             None => return None,
         };
-        let grid = &self.experiment.grid;
+        let design = &self.experiment.design;
         let values = self.column(quantity).iter().enumerate();
         let values: Option<Vec<f64>> = values
             .map(|(index, value)| {
-                let scales = grid.machine(index)?.scales();
+                let scales = design.machine(index)?.scales();
                 Some(value * scale.map_or(1.0 / scales.time, |scale| scales.of(scale)))
             })
             .collect();
@@ -65,15 +65,15 @@ impl ParameterMap {
     /// Where the results are fiction, since the material of the machine would melt or yield, or the bush turn too far for the
     /// model: by the limit's name at how many points, the index of the worst, and what happens there.
     fn fiction(&self) -> BTreeMap<&'static str, (usize, usize, Beyond)> {
-        let grid = &self.experiment.grid;
+        let design = &self.experiment.design;
         let (pressures, temperatures) = (
             self.column(Quantity::PeakPressure),
             self.column(Quantity::PeakTemperature),
         );
         let (lowest, highest) = (self.column(Quantity::XMin), self.column(Quantity::XMax));
         let mut kinds = BTreeMap::new();
-        for index in 0..grid.len() {
-            let Some(machine) = grid.machine(index) else { break };
+        for index in 0..design.len() {
+            let Some(machine) = design.machine(index) else { break };
             let angle = lowest[index].abs().max(highest[index].abs());
             for beyond in machine.beyond(pressures[index], temperatures[index], angle) {
                 let (count, worst, most) = kinds.entry(beyond.name()).or_insert((0, index, beyond));
@@ -88,7 +88,7 @@ impl ParameterMap {
 
     /// As shares of the points: by the limit's name, `melting` or `yield`.
     pub fn fiction_shares(&self) -> Vec<(&'static str, f64)> {
-        let points = self.experiment.grid.len() as f64;
+        let points = self.experiment.design.len() as f64;
         let fiction = self.fiction();
         fiction
             .iter()
@@ -98,13 +98,13 @@ impl ParameterMap {
 
     /// Each kind of fiction as a sentence: at how many points, and the worst.
     pub fn beyond_limits(&self) -> Vec<String> {
-        let grid = &self.experiment.grid;
+        let design = &self.experiment.design;
         let fiction = self.fiction();
         let warnings = fiction.values().map(|(count, index, beyond)| {
-            let share = 100.0 * *count as f64 / grid.len() as f64;
+            let share = 100.0 * *count as f64 / design.len() as f64;
             format!(
                 "fiction at {count} points ({share:.1} %): at {}, the worst, {beyond}",
-                grid.place(*index)
+                design.place(*index)
             )
         });
         warnings.collect()
@@ -170,7 +170,7 @@ pub struct Change {
 /// axis is an initial state, which tells attractors apart, not parameters.
 pub fn has_border(experiment: &Experiment) -> bool {
     let is_initial = |axis: &Axis| [Parameter::X0.into(), Parameter::Y0.into()].contains(&axis.coordinate);
-    !experiment.grid.axes.iter().any(is_initial) && experiment.extent(Parameter::KW).0 == 0.0
+    !experiment.design.axes().iter().any(is_initial) && experiment.extent(Parameter::KW).0 == 0.0
 }
 
 /// The border of chaos: all changes along rows, then all along columns. Points between the two of a change, that are undecided
@@ -189,7 +189,7 @@ pub fn drawn_border(map: &ParameterMap) -> Vec<Change> {
     if !has_border(&map.experiment) {
         return Vec::new();
     }
-    let columns = map.x_axis().count;
+    let columns = map.x_axis().count();
     let mut motions = motions(map);
     close(&mut motions, columns);
     // islands first, so that where chaos and gaps are both in crumbs there is no chaos
@@ -205,7 +205,7 @@ pub const CLOSED: usize = 2;
 /// The least points of an island of chaos, and of a gap in it, whose border is drawn: a 4000th of the map, which is a square of 12
 /// pixels in a picture of the usual size.
 pub fn least_region(map: &ParameterMap) -> usize {
-    map.experiment.grid.len().div_ceil(4000)
+    map.experiment.design.len().div_ceil(4000)
 }
 
 /// What the border tells apart.
@@ -226,7 +226,7 @@ fn motions(map: &ParameterMap) -> Vec<Motion> {
         Some(Class::Regular | Class::QuasiPeriodic) => Motion::Order,
         Some(Class::Undecided | Class::Unstable) | None => Motion::Open,
     };
-    (0..map.experiment.grid.len()).map(motion).collect()
+    (0..map.experiment.design.len()).map(motion).collect()
 }
 
 fn changes(map: &ParameterMap, motions: &[Motion]) -> Vec<Change> {
@@ -235,17 +235,14 @@ fn changes(map: &ParameterMap, motions: &[Motion]) -> Vec<Change> {
     let mut changes = Vec::new();
     for along in [0, 1] {
         let (axis, other) = (axes[along], axes[1 - along]);
-        let mut order: Vec<usize> = (0..axis.count).collect();
-        if axis.step() < 0.0 {
-            order.reverse();
-        }
-        for line in 0..other.count {
+        let order = axis.rising();
+        for line in 0..other.count() {
             let mut last = None;
             for &here in &order {
                 let index = if along == 0 {
-                    line * axis.count + here
+                    line * axis.count() + here
                 } else {
-                    here * other.count + line
+                    here * other.count() + line
                 };
                 let begins = match motions[index] {
                     Motion::Chaos => true,
@@ -357,8 +354,7 @@ mod tests {
     /// What `classes` do not reach is not computed; None is a runaway.
     fn map(x: &str, y: &str, classes: &[Option<Class>]) -> ParameterMap {
         let request = Request {
-            x: Axis::parse(x).unwrap(),
-            y: Axis::parse(y).unwrap(),
+            axes: Some(vec![Axis::parse(x).unwrap(), Axis::parse(y).unwrap()]),
             ..Request::default()
         };
         let mut map = ParameterMap::new(request.resolve().unwrap());

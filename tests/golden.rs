@@ -14,8 +14,8 @@ use common::{measure_on, pinned_settings};
 use tribochaos::backend::Backend;
 use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
 use tribochaos::backend::gpu::GpuBackend;
+use tribochaos::design::{Axis, Design};
 use tribochaos::experiment::Precision;
-use tribochaos::grid::{Axis, Grid};
 use tribochaos::measure::{Class, Measurement};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
@@ -50,12 +50,12 @@ struct Tolerance {
     exceptions: f64,
 }
 
-fn grid() -> Grid {
-    let axis = |parameter, stop| Axis::new(parameter, 0.0, stop, 32).expect("within the range");
-    Grid {
-        axes: vec![axis(Parameter::ZetaK, 6.0), axis(Parameter::H1, 1.5)],
-        fixed: ParameterSet::default().into(),
-    }
+fn grid() -> Design {
+    let axis = |parameter, stop| Axis::even(parameter, 0.0, stop, 32).expect("within the range");
+    Design::product(
+        vec![axis(Parameter::ZetaK, 6.0), axis(Parameter::H1, 1.5)],
+        ParameterSet::default().into(),
+    )
 }
 
 fn map_on(backend: &mut dyn Backend) -> Vec<Row> {

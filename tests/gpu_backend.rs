@@ -366,7 +366,7 @@ fn adapters_are_chosen_by_name_and_software_only_where_allowed() {
 /// Legs, turns along cycles and what is left at full length, each a batch of another size.
 #[test]
 fn points_are_decided_early_as_on_the_cpu() {
-    let grid = Request::default().resolve().unwrap().grid;
+    let grid = Request::default().resolve().unwrap().design;
     let instances: Vec<_> = (0..grid.len()).step_by(401).map(|index| grid.point(index)).collect();
     let settings = Settings::default();
     let on_cpu = measure(&mut CpuBackend::new(Precision::F64), &settings, &instances);

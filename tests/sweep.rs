@@ -8,16 +8,15 @@ use std::time::Instant;
 use tribochaos::backend::BackendKind;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
+use tribochaos::design::Axis;
 use tribochaos::experiment::{Experiment, Precision, Request, Settings};
-use tribochaos::grid::Axis;
 use tribochaos::map::ParameterMap;
 use tribochaos::measure::{Class, Measurement, Quantity};
 use tribochaos::sweep::{Backends, Event, audit, estimate};
 
 fn experiment(x: &str, y: &str, settings: Settings) -> Experiment {
     let request = Request {
-        x: Axis::parse(x).unwrap(),
-        y: Axis::parse(y).unwrap(),
+        axes: Some(vec![Axis::parse(x).unwrap(), Axis::parse(y).unwrap()]),
         settings,
         ..Request::default()
     };
@@ -33,9 +32,9 @@ fn carry_on(_: Event<'_>) -> ControlFlow<()> {
 }
 
 fn compute(backends: &mut Backends, experiment: &Experiment) -> Vec<Measurement> {
-    let indices: Vec<usize> = (0..experiment.grid.len()).collect();
+    let indices: Vec<usize> = (0..experiment.design.len()).collect();
     backends
-        .measure(&experiment.grid, &experiment.settings, &indices, &mut carry_on)
+        .measure(&experiment.design, &experiment.settings, &indices, &mut carry_on)
         .unwrap()
         .expect("nothing breaks the sweep off")
 }
@@ -127,12 +126,12 @@ fn a_map_whose_gpu_is_lost_is_finished_on_the_cpu() {
     let device = context.device().clone();
     let gpu = GpuBackend::new(context);
     let batch = tribochaos::backend::Backend::batch_size(&gpu, &Settings::default());
-    if batch >= experiment.grid.len() {
+    if batch >= experiment.design.len() {
         eprintln!("skipped: the GPU takes the whole map as one batch");
         return;
     }
     let mut backends = Backends::new(Box::new(gpu), Some(Box::new(CpuBackend::new(Precision::F64))));
-    let indices: Vec<usize> = (0..experiment.grid.len()).collect();
+    let indices: Vec<usize> = (0..experiment.design.len()).collect();
     let work = tribochaos::sweep::instance_periods(&experiment.settings, batch);
     let (mut done, mut fell_back) = (0, Vec::new());
     let mut observer = |event: Event<'_>| {
@@ -149,7 +148,7 @@ fn a_map_whose_gpu_is_lost_is_finished_on_the_cpu() {
         ControlFlow::Continue(())
     };
     let measurements = backends
-        .measure(&experiment.grid, &experiment.settings, &indices, &mut observer)
+        .measure(&experiment.design, &experiment.settings, &indices, &mut observer)
         .unwrap()
         .unwrap();
 
@@ -158,7 +157,7 @@ fn a_map_whose_gpu_is_lost_is_finished_on_the_cpu() {
         fell_back[0].contains("lost") && fell_back[0].contains("CPU"),
         "{fell_back:?}"
     );
-    assert_eq!(measurements.len(), experiment.grid.len());
+    assert_eq!(measurements.len(), experiment.design.len());
     for (index, (m, reference)) in measurements.iter().zip(&undisturbed).enumerate() {
         let kind = if index < batch {
             BackendKind::GpuF32
@@ -209,8 +208,10 @@ fn the_largest_exponent_of_several_initial_states_is_reported() {
 #[test]
 fn the_estimate_of_a_map_with_wear_is_about_what_it_takes() {
     let mut request = Request {
-        x: Axis::parse("zeta_k=0:8:40").unwrap(),
-        y: Axis::parse("k_w=0.001:0.02:30").unwrap(),
+        axes: Some(vec![
+            Axis::parse("zeta_k=0:8:40").unwrap(),
+            Axis::parse("k_w=0.001:0.02:30").unwrap(),
+        ]),
         ..Request::default()
     };
     request.set.insert("gamma".into(), 1.87);

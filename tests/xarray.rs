@@ -5,8 +5,8 @@ use std::path::Path;
 use std::process::Command;
 
 use tribochaos::backend::BackendKind;
+use tribochaos::design::Axis;
 use tribochaos::experiment::Request;
-use tribochaos::grid::Axis;
 use tribochaos::machine::{Description, TEMPLATE};
 use tribochaos::measure::{Class, Measurement, Status};
 use tribochaos::output::store::MapStore;
@@ -36,8 +36,10 @@ fn xarray_opens_the_store_of_a_machine() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("machine.zarr");
     let experiment = Request {
-        x: Axis::parse("interference=1e-9:3e-9:3").unwrap(),
-        y: Axis::parse("damping=0:778:2").unwrap(),
+        axes: Some(vec![
+            Axis::parse("interference=1e-9:3e-9:3").unwrap(),
+            Axis::parse("damping=0:778:2").unwrap(),
+        ]),
         machine: Some(Description::from_toml(TEMPLATE).unwrap()),
         ..Request::default()
     };
@@ -61,8 +63,7 @@ fn xarray_opens_the_store() {
     // an axis and quantities whose names are alike: x0, x, x_min
     let y = Axis::parse("x0=1:-1:5").unwrap();
     let experiment = Request {
-        x,
-        y,
+        axes: Some(vec![x.clone(), y]),
         ..Request::default()
     }
     .resolve()
@@ -72,7 +73,7 @@ fn xarray_opens_the_store() {
         .set_attribute("devices", serde_json::json!(["a processor"]))
         .unwrap();
     for tile in store.tiles().skip(1) {
-        let measurements: Vec<Measurement> = tile.indices(x.count).map(measurement).collect();
+        let measurements: Vec<Measurement> = tile.indices(x.count()).map(measurement).collect();
         store.write_tile(&tile, &measurements).unwrap();
     }
     check("xarray_opens.py", &path);
@@ -86,8 +87,10 @@ fn xarray_selects_by_decimals() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("decimals.zarr");
     let experiment = Request {
-        x: Axis::parse("zeta_k=3:5:201").unwrap(),
-        y: Axis::parse("h1=0:1.5:301").unwrap(),
+        axes: Some(vec![
+            Axis::parse("zeta_k=3:5:201").unwrap(),
+            Axis::parse("h1=0:1.5:301").unwrap(),
+        ]),
         ..Request::default()
     };
     MapStore::create(&path, &experiment.resolve().unwrap(), [301, 201]).unwrap();

@@ -8,8 +8,8 @@ use super::Progress;
 use super::exponents;
 use super::orbits::{is_bounded, stroboscopic_states};
 use crate::backend::{Backend, BackendError};
+use crate::design::{Axis, Design, Fixed};
 use crate::experiment::Settings;
-use crate::grid::{Axis, Fixed, Grid};
 use crate::parameters::ParameterSet;
 
 /// Where the orbits of a column begin.
@@ -65,18 +65,15 @@ pub fn diagram(
     progress: &mut Progress<'_>,
 ) -> Result<Option<Diagram>, BackendError> {
     let mut diagram = Diagram {
-        axis: *axis,
+        axis: axis.clone(),
         fixed: *at,
-        columns: vec![Vec::new(); axis.count],
+        columns: vec![Vec::new(); axis.count()],
         runaways: 0,
     };
-    let grid = Grid {
-        axes: vec![*axis],
-        fixed: *at,
-    };
-    let from = |column: usize, start: [f64; 2]| exponents::from(&grid.point(column), start);
+    let design = Design::product(vec![axis.clone()], *at);
+    let from = |column: usize, start: [f64; 2]| exponents::from(&design.point(column), start);
     if columns == Columns::Fresh {
-        let instances: Vec<ParameterSet> = (0..axis.count)
+        let instances: Vec<ParameterSet> = (0..axis.count())
             .flat_map(|column| starts.iter().map(move |&start| (column, start)))
             .map(|(column, start)| from(column, start))
             .collect();
@@ -88,10 +85,12 @@ pub fn diagram(
         diagram.runaways = ends.iter().filter(|end| !is_bounded(end)).count();
         return Ok(Some(diagram));
     }
-    let rises = (axis.step() > 0.0) == (columns == Columns::FollowUp);
+    let mut order = axis.rising();
+    if columns == Columns::FollowDown {
+        order.reverse();
+    }
     let mut current = starts.to_vec();
-    for turn in 0..axis.count {
-        let column = if rises { turn } else { axis.count - 1 - turn };
+    for column in order {
         let instances: Vec<ParameterSet> = current.iter().map(|&state| from(column, state)).collect();
         let states = &mut diagram.columns[column];
         let mut visit = |_: usize, state| states.push(state);

@@ -3,8 +3,8 @@
 //! Owns the line of points and its initial states; what is measured of a point is [`crate::sweep`]'s.
 
 use crate::backend::BackendError;
+use crate::design::{Axis, Design, Fixed};
 use crate::experiment::Settings;
-use crate::grid::{Axis, Fixed, Grid};
 use crate::measure::Measurement;
 use crate::parameters::{Parameter, ParameterSet};
 use crate::sweep::{Backends, Observer};
@@ -36,17 +36,14 @@ pub fn lines(
 ) -> Result<Option<Vec<Line>>, BackendError> {
     let mut lines = Vec::with_capacity(starts.len());
     for &start in starts {
-        let grid = Grid {
-            axes: vec![*axis],
-            fixed: at.from_state(start),
-        };
-        let indices: Vec<usize> = (0..axis.count).collect();
-        let Some(measurements) = backends.measure(&grid, settings, &indices, observer)? else {
+        let design = Design::product(vec![axis.clone()], at.from_state(start));
+        let indices: Vec<usize> = (0..axis.count()).collect();
+        let Some(measurements) = backends.measure(&design, settings, &indices, observer)? else {
             return Ok(None);
         };
         lines.push(Line {
-            axis: *axis,
-            fixed: grid.fixed,
+            axis: axis.clone(),
+            fixed: design.fixed,
             start,
             measurements,
         });

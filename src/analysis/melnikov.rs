@@ -5,8 +5,8 @@
 use rayon::prelude::*;
 
 use super::contour::{self, Edge};
+use crate::design::{Axis, Coordinate, Design, Fixed};
 use crate::experiment::Experiment;
-use crate::grid::{Axis, Coordinate, Fixed, Grid};
 use crate::machine::SiQuantity;
 use crate::model::melnikov::{self, Melnikov, MelnikovError, Threshold};
 use crate::parameters::{Parameter, ParameterSet};
@@ -35,7 +35,7 @@ pub fn threshold_curve(at: &Fixed, along: &Axis, over: &Axis) -> Result<Curve, C
         });
     }
     melnikov::check_depends(at, over.coordinate)?;
-    let found: Vec<Result<Threshold, MelnikovError>> = (0..over.count)
+    let found: Vec<Result<Threshold, MelnikovError>> = (0..over.count())
         .into_par_iter()
         .map(|index| melnikov::threshold(&at.at([(over.coordinate, over.value(index))]), along))
         .collect();
@@ -45,8 +45,8 @@ pub fn threshold_curve(at: &Fixed, along: &Axis, over: &Axis) -> Result<Curve, C
         return Err(error.clone().into());
     }
     Ok(Curve {
-        along: *along,
-        over: *over,
+        along: along.clone(),
+        over: over.clone(),
         fixed: *at,
         thresholds: found
             .into_iter()
@@ -65,13 +65,13 @@ const MAP_VALUES: usize = 41;
 /// If M depends on neither axis, has no homoclinic orbit or no meaning there, or changes sign nowhere, or everywhere, on the
 /// map.
 pub fn curve_over_map(experiment: &Experiment) -> Result<Vec<[f64; 2]>, CurveError> {
-    let [x, y] = experiment.grid.axes[..] else {
+    let [x, y] = experiment.design.axes() else {
         return Err(CurveError::NoMap);
     };
     if experiment.is_rubbed() {
         return Err(MelnikovError::Rubbed.into());
     }
-    let fixed = experiment.grid.fixed;
+    let fixed = experiment.design.fixed;
     if ![x, y].iter().any(|axis| melnikov::depends(&fixed, axis.coordinate)) {
         return Err(CurveError::NeitherAxis {
             x: x.coordinate.name(),
@@ -79,17 +79,11 @@ pub fn curve_over_map(experiment: &Experiment) -> Result<Vec<[f64; 2]>, CurveErr
             known: melnikov::known(&fixed),
         });
     }
-    let axes = [x, y].map(|axis| Axis {
-        count: MAP_VALUES,
-        ..axis
-    });
-    let grid = Grid {
-        axes: axes.to_vec(),
-        fixed,
-    };
-    let changes: Vec<Result<bool, MelnikovError>> = (0..grid.len())
+    let axes = [x, y].map(|axis| axis.resampled(MAP_VALUES));
+    let design = Design::product(axes.to_vec(), fixed);
+    let changes: Vec<Result<bool, MelnikovError>> = (0..design.len())
         .into_par_iter()
-        .map(|index| melnikov::changes_sign(&grid.point(index)))
+        .map(|index| melnikov::changes_sign(&design.point(index)))
         .collect();
     let inside: Vec<Option<bool>> = changes.iter().map(|changes| changes.as_ref().ok().copied()).collect();
     let lines = contour::lines(&inside, MAP_VALUES);
@@ -113,7 +107,7 @@ pub fn curve_over_map(experiment: &Experiment) -> Result<Vec<[f64; 2]>, CurveErr
     Ok(points.collect::<Result<_, MelnikovError>>()?)
 }
 
-/// Where the border crosses an edge of the grid over the axes.
+/// Where the border crosses an edge of the design over the axes.
 fn crossing(fixed: &Fixed, axes: &[Axis; 2], inside: &[Option<bool>], edge: Edge) -> Result<[f64; 2], MelnikovError> {
     let place = |point: usize| [axes[0].value(point % MAP_VALUES), axes[1].value(point / MAP_VALUES)];
     let (outer, inner) = if inside[edge.to] == Some(true) {
@@ -162,12 +156,7 @@ pub fn default_search(at: &Fixed, coordinate: Coordinate) -> Option<Axis> {
         Coordinate::Si(SiQuantity::ShaftSpeedAmplitude) => (0.0, 20.0 / at.machine()?.scales().time),
         Coordinate::Si(_) => return None,
     };
-    Some(Axis {
-        coordinate,
-        start,
-        stop,
-        count: SEARCH_VALUES,
-    })
+    Axis::even(coordinate, start, stop, SEARCH_VALUES).ok()
 }
 
 /// Values of an axis along which a threshold is looked for.
@@ -203,8 +192,7 @@ mod tests {
 
     fn experiment(x: &str, y: &str) -> Experiment {
         let request = Request {
-            x: Axis::parse(x).unwrap(),
-            y: Axis::parse(y).unwrap(),
+            axes: Some(vec![Axis::parse(x).unwrap(), Axis::parse(y).unwrap()]),
             ..Request::default()
         };
         request.resolve().unwrap()
@@ -233,11 +221,11 @@ mod tests {
         for (x, y) in [("zeta_k=3:3.8:10", "h1=0:2:6"), ("zeta_k=3.5:5:10", "h1=1:0:3")] {
             let experiment = experiment(x, y);
             let curve = curve_over_map(&experiment).unwrap();
-            let axis = experiment.grid.axes[0];
+            let axis = &experiment.design.axes()[0];
             let inside = || curve.iter().map(|point| point[0]).filter(|value| value.is_finite());
             let ends = [inside().fold(f64::INFINITY, f64::min), inside().fold(0.0, f64::max)];
             assert!(
-                (ends[0] - axis.start).abs() < 1e-5 || (ends[1] - axis.stop).abs() < 1e-5,
+                (ends[0] - axis.first()).abs() < 1e-5 || (ends[1] - axis.last()).abs() < 1e-5,
                 "{ends:?}"
             );
         }

@@ -9,8 +9,8 @@
 //! not monotone in a parameter, so that the range is scanned, never bisected.
 
 use crate::backend::BackendError;
+use crate::design::{Axis, Coordinate, Design, Fixed};
 use crate::experiment::{Scheme, Settings};
-use crate::grid::{Axis, Coordinate, Fixed, Grid};
 use crate::measure::{Class, Measurement, Status};
 use crate::parameters::Parameter;
 use crate::sweep::{Backends, Observer};
@@ -77,7 +77,7 @@ impl Definition {
 /// [`MOST_VALUES`]; for others, and for a range of zeta_k that is shorter, the round number (1, 2 or 5 times a power of ten) at
 /// or just below a thousandth of the range.
 pub fn default_spacing(axis: &Axis) -> f64 {
-    let range = (axis.stop - axis.start).abs();
+    let range = (axis.last() - axis.first()).abs();
     if axis.coordinate != Coordinate::from(Parameter::ZetaK) || range < ZETA_K_SPACING {
         return round_below(range / 1000.0);
     }
@@ -102,7 +102,8 @@ fn round_below(most: f64) -> f64 {
 
 /// How many values the fine grid has at most.
 pub fn count(axis: &Axis, spacing: f64) -> f64 {
-    ((axis.stop - axis.start).abs() / spacing + TOLERANCE).floor() + 1.0
+    let [low, high] = axis.ends();
+    ((high - low) / spacing + TOLERANCE).floor() + 1.0
 }
 
 /// Part of a spacing by which an end may miss a multiple that is meant to be it.
@@ -113,18 +114,14 @@ const TOLERANCE: f64 = 1e-6;
 /// # Panics
 /// If there is none, as there may be where the spacing exceeds the range.
 pub fn fine_axis(axis: &Axis, spacing: f64) -> Axis {
-    let (low, high) = (axis.start.min(axis.stop), axis.start.max(axis.stop));
+    let [low, high] = axis.ends();
     let first = (low / spacing - TOLERANCE).ceil();
     let last = (high / spacing + TOLERANCE).floor();
     assert!(first <= last, "no multiple of {spacing} from {low} to {high}");
     // multiples of a short decimal are short decimals, whose last digits are not those of the product
     let multiple = |factor: f64| -> f64 { format!("{:.12e}", factor * spacing).parse().expect("it is a number") };
-    Axis {
-        coordinate: axis.coordinate,
-        start: multiple(first).clamp(low, high),
-        stop: multiple(last).clamp(low, high),
-        count: (last - first) as usize + 1,
-    }
+    let [start, stop] = [first, last].map(|factor| multiple(factor).clamp(low, high));
+    Axis::fine(axis.coordinate, start, stop, (last - first) as usize + 1)
 }
 
 /// A value of the fine grid with chaos.
@@ -188,7 +185,7 @@ impl Scan<'_> {
         backends: &mut Backends,
         observer: &mut Observer<'_>,
     ) -> Result<Option<Scanned>, BackendError> {
-        let mut order: Vec<usize> = (0..self.axis.count).collect();
+        let mut order: Vec<usize> = (0..self.axis.count()).collect();
         if way == Way::Down {
             order.reverse();
         }
@@ -266,11 +263,8 @@ impl Scan<'_> {
                 .filter(|&place| points[place].start == start)
                 .collect();
             let values: Vec<usize> = places.iter().map(|&place| points[place].value).collect();
-            let grid = Grid {
-                axes: vec![self.axis],
-                fixed: self.at.from_state(state),
-            };
-            let Some(measurements) = backends.measure(&grid, settings, &values, observer)? else {
+            let design = Design::product(vec![self.axis.clone()], self.at.from_state(state));
+            let Some(measurements) = backends.measure(&design, settings, &values, observer)? else {
                 return Ok(None);
             };
             for (place, measurement) in places.into_iter().zip(measurements) {
@@ -326,7 +320,7 @@ mod tests {
             ("h1=0.1:0.3:5", 0.2, [0.2, 0.2], 1),
         ] {
             let fine = fine_axis(&axis(text), spacing);
-            assert_eq!(([fine.start, fine.stop], fine.count), (ends, count), "{text}");
+            assert_eq!(([fine.first(), fine.last()], fine.count()), (ends, count), "{text}");
         }
         // multiples are short decimals, bit for bit, whatever the range
         let value = fine_axis(&axis("zeta_k=0:12:2"), 0.0025).value(1521);

@@ -7,29 +7,32 @@ pub mod cost;
 pub mod kernels;
 pub mod scaling;
 
+use crate::design::{Axis, AxisError, Design};
 use crate::experiment::Preset;
-use crate::grid::{Axis, AxisError, Grid};
 use crate::parameters::{Parameter, ParameterSet};
 
-/// Points along an axis of the reduced model's grid.
+/// Points along an axis of the reduced model's design.
 const SIDE: usize = 64;
 
 /// The reduced model's plane, zeta_k 0..12 by h1 0..2, with so many columns and rows.
-fn plane(columns: usize, rows: usize) -> Result<Grid, AxisError> {
-    Ok(Grid {
-        axes: vec![
-            Axis::new(Parameter::ZetaK, 0.0, 12.0, columns)?,
-            Axis::new(Parameter::H1, 0.0, 2.0, rows)?,
+fn plane(columns: usize, rows: usize) -> Result<Design, AxisError> {
+    Ok(Design::product(
+        vec![
+            Axis::even(Parameter::ZetaK, 0.0, 12.0, columns)?,
+            Axis::even(Parameter::H1, 0.0, 2.0, rows)?,
         ],
-        fixed: ParameterSet::default().into(),
-    })
+        ParameterSet::default().into(),
+    ))
 }
 
-fn every(grid: &Grid, stride: usize) -> Vec<ParameterSet> {
-    (0..grid.len()).step_by(stride).map(|index| grid.point(index)).collect()
+fn every(design: &Design, stride: usize) -> Vec<ParameterSet> {
+    (0..design.len())
+        .step_by(stride)
+        .map(|index| design.point(index))
+        .collect()
 }
 
-/// Every `stride`-th point of the grid of 64 x 64 points over zeta_k 0..12 and h1 0..2. An odd stride meets all of its rows
+/// Every `stride`-th point of the design of 64 x 64 points over zeta_k 0..12 and h1 0..2. An odd stride meets all of its rows
 /// and columns.
 ///
 /// # Errors
@@ -44,14 +47,14 @@ pub fn points(stride: usize) -> Result<Vec<ParameterSet>, AxisError> {
 /// # Errors
 /// As [`points`].
 pub fn rubbed_points(stride: usize) -> Result<Vec<ParameterSet>, AxisError> {
-    let grid = Grid {
-        axes: vec![
-            Axis::new(Parameter::ZetaK, 3.0, 4.5, SIDE)?,
-            Axis::new(Parameter::Gamma, 1.0, 1.87, SIDE / 4)?,
+    let design = Design::product(
+        vec![
+            Axis::even(Parameter::ZetaK, 3.0, 4.5, SIDE)?,
+            Axis::even(Parameter::Gamma, 1.0, 1.87, SIDE / 4)?,
         ],
-        fixed: Preset::Paper.parameters().with(Parameter::KW, 0.0).into(),
-    };
-    Ok(every(&grid, stride))
+        Preset::Paper.parameters().with(Parameter::KW, 0.0).into(),
+    );
+    Ok(every(&design, stride))
 }
 
 /// [`rubbed_points`] of the full model (`rubbed`), or [`points`] of the reduced one.

@@ -96,8 +96,8 @@ pub fn sizes() -> Result<Vec<Points>, BackendError> {
 /// So many points, or a few less, over the benchmark's plane.
 fn points(count: usize) -> Vec<ParameterSet> {
     let side = count.isqrt();
-    let grid = plane(side, count / side).expect("the table of parameters admits the benchmark's ranges");
-    every(&grid, 1)
+    let design = plane(side, count / side).expect("the table of parameters admits the benchmark's ranges");
+    every(&design, 1)
 }
 
 /// Nanoseconds for an instance-period of points in batches of the backend's size, each carried over so many periods of the

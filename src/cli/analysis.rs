@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{anyhow, bail};
 use clap::Args;
 use serde_json::{Map, Value, json};
+use tribochaos::design::{Axis, Coordinate, Fixed, Varied};
 use tribochaos::experiment::{BackendChoice, Experiment, Preset, Request};
-use tribochaos::grid::{Axis, Coordinate, Fixed};
 use tribochaos::output::figure::Figure;
 use tribochaos::output::{PROGRAM, charts, drawing, table};
 use tribochaos::parameters::{PARAMETERS, Parameter, ParameterSet};
@@ -55,7 +55,7 @@ impl StartArgs {
     /// The initial states: those that were typed, or that of x0 and y0 and, with `--initial-states`, others from the box.
     pub fn resolve(&self, args: &ExperimentArgs, experiment: &Experiment) -> Result<Vec<[f64; 2]>, Failure> {
         if self.start.is_empty() {
-            let at = &experiment.grid.fixed;
+            let at = &experiment.design.fixed;
             let first = [at[Parameter::X0], at[Parameter::Y0]];
             let others = initial_states::offsets(&experiment.settings);
             return Ok([first].into_iter().chain(others).collect());
@@ -94,13 +94,18 @@ pub fn starts_in_words(starts: &[[f64; 2]]) -> String {
     }
 }
 
+/// The axis over which something is drawn unless another one is asked for: zeta_k = 0..12.
+pub fn default_axis(count: usize) -> Axis {
+    Axis::even(Parameter::ZetaK, 0.0, 12.0, count).expect("the table of parameters admits the default axis")
+}
+
 /// The experiment over an axis, or at one point; `defaults` come before what was typed. The CPU is taken unless a GPU is
 /// asked for: orbits are read back every period, and f64 leaves no doubt about them.
 pub fn experiment(args: &ExperimentArgs, axis: Option<Axis>, defaults: Request) -> Result<Experiment, Failure> {
     let mut request = defaults;
     args.apply(&mut request)?;
     args.leave_free(
-        &axis.map(|axis| axis.coordinate).into_iter().collect::<Vec<_>>(),
+        &axis.iter().map(|axis| axis.coordinate).collect::<Vec<_>>(),
         &mut request,
     );
     // few points, of which the errors are shown
@@ -108,7 +113,7 @@ pub fn experiment(args: &ExperimentArgs, axis: Option<Axis>, defaults: Request) 
     if request.settings.backend == BackendChoice::Auto {
         request.settings.backend = BackendChoice::Cpu;
     }
-    if let Some(axis) = axis
+    if let Some(axis) = &axis
         && is_initial(axis.coordinate)
     {
         return Err(Failure::Input(anyhow!(
@@ -117,7 +122,7 @@ pub fn experiment(args: &ExperimentArgs, axis: Option<Axis>, defaults: Request) 
         )));
     }
     let experiment = request
-        .resolve_over(axis.into_iter().collect())
+        .resolve_over(Varied::Axes(axis.into_iter().collect()))
         .map_err(Failure::input)?;
     for warning in experiment.warnings() {
         eprintln!("warning: {warning}");
@@ -202,7 +207,7 @@ pub fn value_of(point: &Fixed, coordinate: Coordinate) -> f64 {
 /// A note of a table, with the units of coordinates that have some.
 pub fn unit_note(experiment: &Experiment, coordinates: &[Coordinate], note: &str) -> String {
     let units = coordinates.iter().filter_map(|coordinate| {
-        let unit = experiment.grid.fixed.unit(*coordinate);
+        let unit = experiment.design.fixed.unit(*coordinate);
         (unit != "1").then(|| format!("{coordinate} in {unit}"))
     });
     let parts: Vec<String> = units.chain([note.to_owned()]).filter(|part| !part.is_empty()).collect();
@@ -232,7 +237,7 @@ pub fn recipe(command: &str, experiment: &Experiment, options: Value) -> String 
     let names = PARAMETERS.iter().map(|info| info.parameter);
     let parameters: toml::Table = names
         .map(|parameter| {
-            let value = experiment.grid.fixed[parameter];
+            let value = experiment.design.fixed[parameter];
             (parameter.name().to_owned(), toml::Value::Float(value))
         })
         .collect();
@@ -241,7 +246,10 @@ pub fn recipe(command: &str, experiment: &Experiment, options: Value) -> String 
     recipe.insert("command".to_owned(), command.into());
     recipe.insert("program".to_owned(), PROGRAM.into());
     recipe.insert("options".to_owned(), table(toml::Value::try_from(options)));
-    recipe.insert("axes".to_owned(), table(toml::Value::try_from(&experiment.grid.axes)));
+    recipe.insert(
+        "axes".to_owned(),
+        table(toml::Value::try_from(experiment.design.axes())),
+    );
     recipe.insert("parameters".to_owned(), parameters.into());
     if let Some(machine) = experiment.machine_description() {
         recipe.insert("machine".to_owned(), table(toml::Value::try_from(machine)));

@@ -5,8 +5,8 @@ use std::time::Instant;
 use clap::Args;
 use serde_json::json;
 use tribochaos::analysis::bifurcation::{Columns, diagram};
+use tribochaos::design::Axis;
 use tribochaos::experiment::Request;
-use tribochaos::grid::Axis;
 use tribochaos::output::charts::{self, Component};
 use tribochaos::output::sheet::{SINGLE, Sheet};
 use tribochaos::output::{PROGRAM, caption};
@@ -62,16 +62,11 @@ pub fn defaults() -> Request {
 }
 
 pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
-    let axis = args.x.unwrap_or(Axis {
-        coordinate: Parameter::ZetaK.into(),
-        start: 0.0,
-        stop: 12.0,
-        count: 2400,
-    });
-    let experiment = analysis::experiment(&args.experiment, Some(axis), defaults())?;
+    let axis = args.x.clone().unwrap_or_else(|| analysis::default_axis(2400));
+    let experiment = analysis::experiment(&args.experiment, Some(axis.clone()), defaults())?;
     let settings = &experiment.settings;
     let starts = args.start.resolve(&args.experiment, &experiment)?;
-    let states = axis.count as u64 * starts.len() as u64 * u64::from(settings.periods);
+    let states = axis.count() as u64 * starts.len() as u64 * u64::from(settings.periods);
     if states > MOST_STATES {
         return Err(Failure::Input(anyhow::anyhow!(
             "{states} states are too many (at most {MOST_STATES}): use fewer values, initial states or --periods"
@@ -104,17 +99,17 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
 
     progress::catch_interrupt();
     let started = Instant::now();
-    let instances = axis.count * starts.len();
+    let instances = axis.count() * starts.len();
     let bar = Progress::new(
         instances as u64 * u64::from(settings.transient_periods + settings.periods),
-        axis.count,
+        axis.count(),
     );
     let mut hear = |periods| bar.hear(Event::Advanced(periods));
     let backend = choice.backends.active_mut();
     let diagram = diagram(
         backend,
         settings,
-        &experiment.grid.fixed,
+        &experiment.design.fixed,
         &axis,
         &starts,
         columns,
@@ -134,7 +129,7 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
     };
     let mut numerics = format!(
         "{} values, {manner} (x, y) = {}; {} states each after {} forcing periods. {}, {integrated_on}. ",
-        axis.count,
+        axis.count(),
         analysis::starts_in_words(&starts),
         settings.periods,
         settings.transient_periods,
@@ -151,7 +146,7 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
     }
     let shown = [axis.coordinate, Parameter::X0.into(), Parameter::Y0.into()];
     let caption = vec![
-        caption::fixed(&experiment.grid.fixed, &shown),
+        caption::fixed(&experiment.design.fixed, &shown),
         format!("{numerics}{PROGRAM}."),
     ];
     let figure = Sheet::single(panel, caption).draw().map_err(Failure::run)?;
@@ -172,7 +167,7 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
     )?;
     if args.out.json {
         let object = json!({
-            "parameters": analysis::parameters(experiment.grid.fixed.parameters()),
+            "parameters": analysis::parameters(experiment.design.fixed.parameters()),
             "axis": axis,
             "columns": columns,
             "starts": starts,
@@ -185,7 +180,7 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
     say!(
         "{} states over {} values in {}",
         diagram.len(),
-        axis.count,
+        axis.count(),
         report::duration(started.elapsed())
     );
     if diagram.runaways > 0 {

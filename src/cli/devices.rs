@@ -5,8 +5,8 @@ use clap::Args;
 use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
 use tribochaos::backend::gpu::{GpuBackend, GpuContext, adapters};
 use tribochaos::backend::{Backend, twins};
+use tribochaos::design::Axis;
 use tribochaos::experiment::{Precision, Request};
-use tribochaos::grid::Axis;
 use tribochaos::map::ParameterMap;
 use tribochaos::output::PROGRAM;
 use tribochaos::sweep::choice;
@@ -67,28 +67,22 @@ fn check(adapter: Option<&str>) -> Result<(), Failure> {
     }
 
     let mut request = Request {
-        x: Axis {
-            count: 24,
-            stop: 6.0,
-            ..Request::default().x
-        },
-        y: Axis {
-            count: 24,
-            stop: 1.5,
-            ..Request::default().y
-        },
+        axes: Some(vec![
+            Axis::even("zeta_k", 0.0, 6.0, 24).map_err(Failure::input)?,
+            Axis::even("h1", 0.0, 1.5, 24).map_err(Failure::input)?,
+        ]),
         ..Request::default()
     };
     request.settings.transient_periods = 150;
     request.settings.periods = 150;
     let experiment = request.resolve().expect("the experiment is valid");
     let mut map = ParameterMap::new(experiment);
-    let indices: Vec<usize> = (0..map.experiment.grid.len()).collect();
+    let indices: Vec<usize> = (0..map.experiment.design.len()).collect();
     progress::catch_interrupt();
     let observer = &mut |_: tribochaos::sweep::Event<'_>| progress::until_interrupted();
     let interrupted = || Failure::Interrupted("the check is not finished".into());
     let measurements = Backends::new(Box::new(gpu), None)
-        .measure(&map.experiment.grid, &map.experiment.settings, &indices, observer)
+        .measure(&map.experiment.design, &map.experiment.settings, &indices, observer)
         .map_err(Failure::backend)?
         .ok_or_else(interrupted)?;
     for (index, measurement) in measurements.iter().enumerate() {

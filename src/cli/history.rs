@@ -5,9 +5,9 @@ use clap::Args;
 use serde_json::{Value, json};
 use tribochaos::analysis::path::ended;
 use tribochaos::backend::Contact;
+use tribochaos::design::Fixed;
 use tribochaos::dynamics::history::{History, Sample, history};
 use tribochaos::experiment::{BackendChoice, Experiment, Precision, Request, Scheme};
-use tribochaos::grid::Fixed;
 use tribochaos::machine::{Machine, Scale};
 use tribochaos::measure::Status;
 use tribochaos::output::sheet::Sheet;
@@ -65,7 +65,7 @@ pub const HIDDEN: &[&str] = &[
 
 pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
     let (experiment, periods) = experiment(args)?;
-    let at = experiment.grid.fixed;
+    let at = experiment.design.fixed;
     let options = json!({ "periods": periods, "samples": args.samples });
     let recipe = analysis::recipe("history", &experiment, options);
     let mut files = Files::claim(&args.out, "outputs/history", &[""], recipe)?;
@@ -214,7 +214,7 @@ fn reason(history: &History) -> &'static str {
 }
 
 fn words(experiment: &Experiment, args: &HistoryArgs, periods: u32, history: &History) -> Vec<String> {
-    let at = &experiment.grid.fixed;
+    let at = &experiment.design.fixed;
     // an infinite rate is no ramp
     let shown: Vec<Parameter> = [Parameter::RampRate]
         .into_iter()
@@ -247,7 +247,7 @@ fn words(experiment: &Experiment, args: &HistoryArgs, periods: u32, history: &Hi
 
 fn object(experiment: &Experiment, periods: u32, last: &Sample, status: Status, contact: &Contact) -> Value {
     json!({
-        "parameters": analysis::parameters(experiment.grid.fixed.parameters()),
+        "parameters": analysis::parameters(experiment.design.fixed.parameters()),
         "periods": periods,
         "status": status.name(),
         "end": last.tau,

@@ -4,8 +4,8 @@ use clap::Args;
 use serde_json::{Value, json};
 use tribochaos::analysis::lifetime::{Decay, LEAST_LEFT, Survival, exponent};
 use tribochaos::analysis::settling::{self, End, NEAR};
+use tribochaos::design::Coordinate;
 use tribochaos::experiment::{Experiment, InitialBox, Settings};
-use tribochaos::grid::Coordinate;
 use tribochaos::machine::Scale;
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts, survival};
@@ -51,7 +51,7 @@ impl LifetimeArgs {
             return Ok(None);
         };
         analysis::check_lasting(experiment.wears())?;
-        if !experiment.grid.point(0).is_driven() {
+        if !experiment.design.point(0).is_driven() {
             return Err(Failure::Input(anyhow::anyhow!(
                 "without a drive (zeta_k = 0, or no friction) there is no chaos whose lifetime could be told: leave --lifetime out"
             )));
@@ -97,7 +97,7 @@ impl Plan {
             mut files,
         } = self;
         let settings = &experiment.settings;
-        let at = experiment.grid.point(0);
+        let at = experiment.design.point(0);
         let periods = u64::from(longest + settling::confirming(settings));
         let bar = Progress::new(starts.len() as u64 * periods, starts.len());
         let fates = settling::follow(backends.active_mut(), settings, &at, &starts, longest, &mut |periods| {
@@ -138,7 +138,7 @@ impl Plan {
             caption::integrated_on([kind].into_iter())
         );
         let start: [Coordinate; 2] = [Parameter::X0.into(), Parameter::Y0.into()];
-        let caption = vec![caption::fixed(&experiment.grid.fixed, &start), numerics];
+        let caption = vec![caption::fixed(&experiment.design.fixed, &start), numerics];
         let figure = Sheet::single(survival::survival(&survival, &decay), caption)
             .draw()
             .map_err(Failure::run)?;
@@ -173,7 +173,7 @@ impl Plan {
 impl Estimate {
     /// Prints `object` with the estimate in it.
     pub fn report_object(&self, mut object: Value, experiment: &Experiment) {
-        let period = experiment.grid.point(0).forcing_period();
+        let period = experiment.design.point(0).forcing_period();
         let decay = match self.decay {
             Decay::Exponential(fit) => json!({
                 "decay": "exponential",
@@ -209,7 +209,7 @@ impl Estimate {
         of["is_chaotic"] = self.is_chaotic.into();
         of["exponent"] = self.exponent.map(|[rate, _]| rate).into();
         of["exponent_error"] = self.exponent.map(|[_, error]| error).into();
-        if let (Decay::Exponential(fit), Some(machine)) = (self.decay, experiment.grid.fixed.machine()) {
+        if let (Decay::Exponential(fit), Some(machine)) = (self.decay, experiment.design.fixed.machine()) {
             object["si"]["lifetime_s"] = (machine.scales().time * period * fit.lifetime).into();
         }
         self.files.report(Some(object));
@@ -218,8 +218,8 @@ impl Estimate {
     pub fn report(&self, experiment: &Experiment) {
         let survival = &self.survival;
         let (states, longest) = (survival.states(), survival.longest);
-        let at = &experiment.grid.fixed;
-        let period = experiment.grid.point(0).forcing_period();
+        let at = &experiment.design.fixed;
+        let period = experiment.design.point(0).forcing_period();
         say!();
         match self.decay {
             Decay::Exponential(fit) => {

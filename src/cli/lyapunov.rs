@@ -5,8 +5,8 @@ use std::time::Instant;
 use clap::Args;
 use serde_json::{Value, json};
 use tribochaos::analysis::exponents::{Line, lines};
+use tribochaos::design::Axis;
 use tribochaos::experiment::{Experiment, Request, Settings};
-use tribochaos::grid::Axis;
 use tribochaos::measure::{Measurement, Status};
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts};
@@ -55,13 +55,8 @@ const START_HELP: &str = "Initial state, x and y; may be repeated [default: that
 const MOST_EXPONENTS: usize = 200_000;
 
 pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
-    let axis = args.x.unwrap_or(Axis {
-        coordinate: Parameter::ZetaK.into(),
-        start: 0.0,
-        stop: 12.0,
-        count: 601,
-    });
-    let experiment = analysis::experiment(&args.experiment, Some(axis), Request::default())?;
+    let axis = args.x.clone().unwrap_or_else(|| analysis::default_axis(601));
+    let experiment = analysis::experiment(&args.experiment, Some(axis.clone()), Request::default())?;
     let named = !args.start.start.is_empty()
         || analysis::gives_initial_state(&args.experiment)
         || args.experiment.initial_states.is_some();
@@ -70,12 +65,12 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
     } else {
         vec![[0.1, 0.0], [1.0, 0.0], [-1.0, 0.0]]
     };
-    let exponents = axis.count * starts.len();
+    let exponents = axis.count() * starts.len();
     if exponents > MOST_EXPONENTS {
         return Err(Failure::Input(anyhow::anyhow!(
             "{exponents} exponents ({} values from {} initial states) are too many (at most {MOST_EXPONENTS}): use fewer values or \
              initial states, or `tribochaos map`",
-            axis.count,
+            axis.count(),
             starts.len()
         )));
     }
@@ -109,7 +104,7 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
 
     progress::catch_interrupt();
     let started = Instant::now();
-    let at = &experiment.grid.fixed;
+    let at = &experiment.design.fixed;
     let bar = Progress::new(sweep::instance_periods(&settings, exponents), exponents);
     let interrupted = || Failure::Interrupted("nothing is drawn".into());
     let backends = &mut choice.backends;
@@ -226,7 +221,7 @@ fn draw(
         caption::fixed(&line.fixed, &shown),
         format!(
             "{} values, {from}; {run}. {gaps}{}{}, {}. {PROGRAM}.",
-            line.axis.count,
+            line.axis.count(),
             onset.caption(experiment),
             caption::scheme(settings),
             caption::integrated_on(line.measurements.iter().map(|m| m.backend))
@@ -237,7 +232,7 @@ fn draw(
 }
 
 fn table(files: &mut Files, experiment: &Experiment, lines: &[Line]) -> Result<(), Failure> {
-    let axis = &experiment.grid.axes[0];
+    let axis = &experiment.design.axes()[0];
     // heat has more exponents than two, of which one is measured
     let has_second = !experiment.settings.scheme().carries_heat();
     // with wear all over the axis there are exponents of finite time alone
@@ -290,8 +285,8 @@ type Column = fn(&Measurement) -> f64;
 fn object(experiment: &Experiment, starts: &[[f64; 2]], onset: &Outcome, gaps: &Gaps) -> Value {
     let [onset, end] = onset.objects();
     let object = json!({
-        "parameters": analysis::parameters(experiment.grid.fixed.parameters()),
-        "axis": experiment.grid.axes[0],
+        "parameters": analysis::parameters(experiment.design.fixed.parameters()),
+        "axis": experiment.design.axes()[0],
         "starts": starts,
         "runaways": gaps.ran_away,
         "under_resolved": gaps.under_resolved,

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::{Map, Value, json};
+use tribochaos::design::Coordinate;
 use tribochaos::experiment::{Experiment, Request};
-use tribochaos::grid::Coordinate;
 use tribochaos::machine::units::si;
 use tribochaos::machine::{
     CONSTANTS, Group, MATERIALS, Machine, SI_QUANTITIES, Scale, Sensitivities, TEMPLATE, sensitivities,
@@ -85,7 +85,7 @@ pub fn run(args: &MachineArgs) -> Result<(), Failure> {
     let mut request = Request::default();
     subject.apply(&mut request)?;
     let experiment = request.resolve_point().map_err(Failure::input)?;
-    let machine = experiment.grid.fixed.machine().ok_or_else(missing)?;
+    let machine = experiment.design.fixed.machine().ok_or_else(missing)?;
     if args.json {
         say!("{:#}", object(&experiment, machine));
         return Ok(());
@@ -99,7 +99,7 @@ pub fn run(args: &MachineArgs) -> Result<(), Failure> {
 
 /// The parameters that the machine gives, in the table's order.
 fn determined(experiment: &Experiment) -> impl Iterator<Item = (Parameter, f64)> + '_ {
-    let is_determined = |parameter| experiment.grid.fixed.governing(parameter).is_some();
+    let is_determined = |parameter| experiment.design.fixed.governing(parameter).is_some();
     experiment
         .fixed_parameters()
         .filter(move |(parameter, _)| is_determined(*parameter))
@@ -134,7 +134,7 @@ fn words(experiment: &Experiment, machine: &Machine) -> String {
         text,
         "\nk* {} per metre of contact; wells at angles of {:.3} rad, 1/sqrt(b)",
         si(machine.spring(), "N/m²"),
-        1.0 / experiment.grid.fixed[Parameter::B].sqrt()
+        1.0 / experiment.design.fixed[Parameter::B].sqrt()
     );
     let _ = writeln!(
         text,

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
 use clap::Args;
+use tribochaos::design::{Axis, Coordinate};
 use tribochaos::experiment::{Experiment, Request};
-use tribochaos::grid::Axis;
 use tribochaos::output::picture::Style;
 use tribochaos::output::store::MapStore;
 use tribochaos::output::{drawing, png};
@@ -73,15 +73,23 @@ impl MapArgs {
             (None, None) => Request::default(),
         };
         // a parameter that becomes an axis loses the value it had in the file, unless it is set here as well
-        for (axis, typed) in [(&mut request.x, self.x), (&mut request.y, self.y)] {
+        let mut axes = request.axes.take().unwrap_or_else(|| Request::default_map().into());
+        let [x, y] = &mut axes[..] else {
+            return Err(Failure::Input(anyhow!(
+                "a map has two axes, and the experiment has {}: give it two",
+                axes.len()
+            )));
+        };
+        for (axis, typed) in [(x, &self.x), (y, &self.y)] {
             if let Some(typed) = typed {
                 request.set.remove(typed.coordinate.name());
-                *axis = typed;
+                *axis = typed.clone();
             }
         }
         self.experiment.apply(&mut request)?;
-        let axes = [request.x.coordinate, request.y.coordinate];
-        self.experiment.leave_free(&axes, &mut request);
+        let coordinates: Vec<Coordinate> = axes.iter().map(|axis| axis.coordinate).collect();
+        self.experiment.leave_free(&coordinates, &mut request);
+        request.axes = Some(axes);
         request.settings.decide_early &= !self.full_length;
         request.settings.audit = self.audit.or(request.settings.audit);
         request.out = self.out.clone().or(request.out);
@@ -158,11 +166,11 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
 /// Computes what the store lacks, tile by tile; returns how much that was, and on what.
 fn compute(experiment: &Experiment, choice: Choice, store: &mut MapStore) -> Result<(Work, Vec<String>), Failure> {
     let mut backends = choice.backends;
-    let columns = experiment.grid.axes[0].count;
+    let columns = experiment.design.axes()[0].count();
     let settings = &experiment.settings;
     let progress = Progress::new(
-        sweep::instance_periods(settings, experiment.grid.len()),
-        experiment.grid.len(),
+        sweep::instance_periods(settings, experiment.design.len()),
+        experiment.design.len(),
     );
     let stored = store.attribute("devices").cloned().unwrap_or_default();
     let mut devices: Vec<String> = serde_json::from_value(stored).unwrap_or_default();
@@ -183,7 +191,9 @@ fn compute(experiment: &Experiment, choice: Choice, store: &mut MapStore) -> Res
         };
         let indices: Vec<usize> = tile.indices(columns).collect();
         let measurements = backends
-            .measure(&experiment.grid, settings, &indices, &mut |event| progress.hear(event))
+            .measure(&experiment.design, settings, &indices, &mut |event| {
+                progress.hear(event)
+            })
             .map_err(|error| match Failure::backend(error) {
                 Failure::Run(error) => Failure::Run(anyhow!(kept(&super::told(&error)))),
                 other => other,

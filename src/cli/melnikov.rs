@@ -4,8 +4,8 @@ use anyhow::anyhow;
 use clap::Args;
 use serde_json::{Value, json};
 use tribochaos::analysis::melnikov::{Curve, CurveError, SEARCH_VALUES, default_search, sampled, threshold_curve};
+use tribochaos::design::{Axis, Coordinate, Design, Fixed};
 use tribochaos::experiment::{Experiment, Request};
-use tribochaos::grid::{Axis, Coordinate, Fixed, Grid};
 use tribochaos::machine::units::si;
 use tribochaos::model::melnikov::{self, Extremes, Melnikov, Threshold};
 use tribochaos::output::sheet::Sheet;
@@ -94,7 +94,7 @@ fn search(sought: Option<Sought>, at: &Fixed) -> Result<Axis, Failure> {
             ))
         });
     };
-    Axis::new(coordinate, low, high, SEARCH_VALUES).map_err(Failure::input)
+    Axis::even(coordinate, low, high, SEARCH_VALUES).map_err(Failure::input)
 }
 
 /// Checks that a coordinate may be varied, and that M varies with it.
@@ -105,13 +105,13 @@ fn check(coordinate: Coordinate, at: &Fixed) -> Result<(), Failure> {
 
 /// Checks that there is a machine, if there is one at all, everywhere along the axes.
 fn check_machines(axes: Vec<Axis>, at: &Fixed) -> Result<(), Failure> {
-    let grid = Grid { axes, fixed: *at };
-    grid.extents().map(|_| ()).map_err(Failure::input)
+    let design = Design::product(axes, *at);
+    design.extents().map(|_| ()).map_err(Failure::input)
 }
 
 pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
     let experiment = experiment(args)?;
-    let at = experiment.grid.fixed;
+    let at = experiment.design.fixed;
     let points = analysis::points(args.at.as_ref(), &at, &args.subject.set)?;
     if points.len() > charts::MOST_CURVES {
         return Err(Failure::Input(anyhow::anyhow!(
@@ -137,20 +137,20 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
     }
     let along = search(args.threshold, &at)?;
     for point in &points {
-        check_machines(vec![along], point)?;
+        check_machines(vec![along.clone()], point)?;
     }
-    if let Some(over) = args.over {
+    if let Some(over) = &args.over {
         if over.coordinate == along.coordinate {
             let name = over.coordinate.name();
             return Err(Failure::input(CurveError::SameParameter { name }));
         }
         check(over.coordinate, &at)?;
-        check_machines(vec![along, over], &at)?;
+        check_machines(vec![along.clone(), over.clone()], &at)?;
     }
     let options = json!({
         "at": args.at.as_ref().map_or(Value::Array(vec![]), |values| json!([values.coordinate, values.values])),
-        "threshold": [json!(along.coordinate), json!(along.start), json!(along.stop)],
-        "over": args.over.map_or(Value::Array(vec![]), |over| json!([over])),
+        "threshold": [json!(along.coordinate), json!(along.first()), json!(along.last())],
+        "over": args.over.as_ref().map_or(Value::Array(vec![]), |over| json!([over])),
         "tau": [low, high],
     });
     let recipe = analysis::recipe("melnikov", &experiment, options);
@@ -206,8 +206,8 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
         Ok([object]) => object,
         Err(objects) => json!({ "points": objects }),
     };
-    if let Some(over) = args.over {
-        let curve = threshold_curve(&at, &along, &over).map_err(Failure::input)?;
+    if let Some(over) = &args.over {
+        let curve = threshold_curve(&at, &along, over).map_err(Failure::input)?;
         shown.extend([along.coordinate, over.coordinate]);
         let sheet = Sheet::single(charts::threshold(&curve), caption(&shown));
         let title = format!("Mel'nikov's threshold in {}", along.coordinate);
@@ -273,7 +273,7 @@ fn written(at: &Fixed, coordinate: Coordinate, value: f64) -> String {
 
 /// `for zeta_k from 0 to 20`.
 fn range(at: &Fixed, along: &Axis) -> String {
-    let [low, high] = [along.start, along.stop].map(|value| written(at, along.coordinate, value));
+    let [low, high] = [along.first(), along.last()].map(|value| written(at, along.coordinate, value));
     format!("for {} from {low} to {high}", along.coordinate)
 }
 
@@ -354,7 +354,7 @@ fn report_curve(curve: &Curve, object: Option<&mut Value>) {
         kinds.filter(|kind| *kind == sought).count()
     };
     let [begins, ceases, always, never] = ["begins", "ceases", "always", "never"].map(count);
-    let (name, values) = (curve.over.coordinate, curve.over.count);
+    let (name, values) = (curve.over.coordinate, curve.over.count());
     let range = range(&curve.fixed, &curve.along);
     match object {
         Some(object) => {

@@ -4,8 +4,8 @@
 
 use serde_json::{Value, json};
 use tribochaos::analysis::onset::{self, CONFIRMING_PERIODS, Definition, Found, MOST_VALUES, Scan, Scanned, Way};
+use tribochaos::design::{Axis, Design};
 use tribochaos::experiment::{Experiment, Settings};
-use tribochaos::grid::{Axis, Grid};
 use tribochaos::machine::units::si;
 use tribochaos::output::{caption, charts};
 use tribochaos::sweep::{self, Backends};
@@ -45,7 +45,7 @@ fn spacing(asked: Option<f64>, axis: &Axis) -> Result<f64, Failure> {
     let Some(spacing) = asked else {
         return Ok(onset::default_spacing(axis));
     };
-    let range = (axis.stop - axis.start).abs();
+    let range = (axis.last() - axis.first()).abs();
     let values = onset::count(axis, spacing);
     // written so that NaN fails; with the whole range as spacing there are two values
     if !(spacing > 0.0 && values >= 2.0) {
@@ -71,14 +71,11 @@ impl Search {
     /// # Errors
     /// If the spacing does not fit the axis, or there is no machine at some value of the fine grid.
     pub fn new(asked: Option<f64>, experiment: &Experiment, settings: &Settings) -> Result<Self, Failure> {
-        let axis = &experiment.grid.axes[0];
+        let axis = &experiment.design.axes()[0];
         let spacing = spacing(asked, axis)?;
         let fine = onset::fine_axis(axis, spacing);
         // that there is a machine at the values of the axis says nothing of those in between
-        let grid = Grid {
-            axes: vec![fine],
-            fixed: experiment.grid.fixed,
-        };
+        let grid = Design::product(vec![fine.clone()], experiment.design.fixed);
         grid.extents().map_err(Failure::input)?;
         let definition = Definition::new(settings);
         Ok(Self {
@@ -97,12 +94,12 @@ impl Search {
     ) -> Result<Option<Outcome>, Failure> {
         let scan = Scan {
             definition: &self.definition,
-            at: &experiment.grid.fixed,
-            axis: self.fine,
+            at: &experiment.design.fixed,
+            axis: self.fine.clone(),
             starts,
         };
         // what lies between onset and end is left out, and chaos confirmed besides
-        let points = self.fine.count * starts.len();
+        let points = self.fine.count() * starts.len();
         let bar = Progress::new(sweep::instance_periods(&self.definition.settings, points), points);
         let mut first = |way| {
             let observer = &mut |event: sweep::Event<'_>| bar.hear(event);
@@ -122,8 +119,8 @@ impl Search {
             is_beyond: scanned.found.is_some_and(|found| found.value == extreme),
         };
         let bounds = [
-            bound(Way::Up, up, self.fine.start),
-            bound(Way::Down, down, self.fine.stop),
+            bound(Way::Up, up, self.fine.first()),
+            bound(Way::Down, down, self.fine.last()),
         ];
         Ok(Some(Outcome::Searched(self, Box::new(bounds))))
     }
@@ -174,7 +171,7 @@ impl Bound {
             };
         };
         let coordinate = search.fine.coordinate;
-        let unit = match experiment.grid.fixed.unit(coordinate) {
+        let unit = match experiment.design.fixed.unit(coordinate) {
             "1" => String::new(),
             unit => format!(" {unit}"),
         };
@@ -266,7 +263,7 @@ impl Outcome {
             return String::new();
         };
         let [onset, end] = &**bounds;
-        let (at, coordinate) = (&experiment.grid.fixed, search.fine.coordinate);
+        let (at, coordinate) = (&experiment.design.fixed, search.fine.coordinate);
         let grid = format!(
             "over {CONFIRMING_PERIODS} forcing periods and on multiples of {}",
             si(search.spacing, at.unit(coordinate))

@@ -4,8 +4,8 @@ use clap::Args;
 use serde_json::{Value, json};
 use tribochaos::analysis::exponents::from;
 use tribochaos::analysis::path::path;
+use tribochaos::design::Coordinate;
 use tribochaos::experiment::{Request, Settings};
-use tribochaos::grid::Coordinate;
 use tribochaos::measure::Status;
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts};
@@ -46,7 +46,7 @@ pub fn defaults() -> Request {
 pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
     let mut experiment = analysis::experiment(&args.experiment, None, defaults())?;
     let starts = args.start.resolve(&args.experiment, &experiment)?;
-    let points = analysis::points(args.at.as_ref(), &experiment.grid.fixed, &args.experiment.subject.set)?;
+    let points = analysis::points(args.at.as_ref(), &experiment.design.fixed, &args.experiment.subject.set)?;
     analysis::check_lasting(points.iter().any(|point| point.parameters().wears()))?;
     // the scheme suits the points of --at, not the one whose value they replace
     let typed = Settings {
@@ -118,7 +118,7 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
         shown.extend([Parameter::X0, Parameter::Y0].map(Coordinate::from));
     }
     let caption = vec![
-        caption::fixed(&experiment.grid.fixed.from_state(starts[0]), &shown),
+        caption::fixed(&experiment.design.fixed.from_state(starts[0]), &shown),
         format!(
             "{} forcing periods after {}. {}, integrated on CPU (f64). {PROGRAM}.",
             settings.periods,

@@ -5,8 +5,8 @@ use std::time::Instant;
 use clap::Args;
 use serde_json::json;
 use tribochaos::analysis::section::{self, ORBITS};
+use tribochaos::design::Coordinate;
 use tribochaos::experiment::Request;
-use tribochaos::grid::Coordinate;
 use tribochaos::output::panel::Layer;
 use tribochaos::output::sheet::{SINGLE, Sheet};
 use tribochaos::output::{PROGRAM, caption, charts};
@@ -65,7 +65,7 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     let orbits = u32::try_from(args.points.div_ceil(64)).unwrap_or(ORBITS).min(ORBITS);
     experiment.settings.periods = section::periods(args.points, orbits);
     let settings = &experiment.settings;
-    let at = &experiment.grid.fixed;
+    let at = &experiment.design.fixed;
     let options =
         json!({ "points": args.points, "orbits": orbits, "window": args.window.into_iter().collect::<Vec<_>>() });
     let recipe = analysis::recipe("poincare", &experiment, options);

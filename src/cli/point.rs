@@ -51,7 +51,7 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
     let mut backends = choice::choose(&experiment).map_err(Failure::backend)?.backends;
     progress::catch_interrupt();
     let measured = backends
-        .measure(&experiment.grid, &experiment.settings, &[0], &mut |_| {
+        .measure(&experiment.design, &experiment.settings, &[0], &mut |_| {
             progress::until_interrupted()
         })
         .map_err(Failure::backend)?
@@ -59,12 +59,16 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
     let m = &measured[0];
     // of the initial state whose exponent is reported
     let [x0, y0] = m.initial_state;
-    let instance = experiment.grid.point(0).with(Parameter::X0, x0).with(Parameter::Y0, y0);
+    let instance = experiment
+        .design
+        .point(0)
+        .with(Parameter::X0, x0)
+        .with(Parameter::Y0, y0);
     // the paper's spectrum is that of a constant pressure
     let spectrum = (args.gram_schmidt && m.status == Status::Ok && !instance.is_rubbed())
         .then(|| lyapunov_spectrum(&instance, &experiment.settings))
         .flatten();
-    let beyond = si::beyond(&experiment.grid.fixed, &m.contact, m.x_min.abs().max(m.x_max.abs()));
+    let beyond = si::beyond(&experiment.design.fixed, &m.contact, m.x_min.abs().max(m.x_max.abs()));
     for warning in &beyond {
         eprintln!("warning: {warning}");
     }
@@ -133,7 +137,7 @@ fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<&Spectrum>,
         object["attractors"] = m.attractors.into();
         object["unsettled_fraction"] = m.unsettled_fraction.into();
     }
-    let at = &experiment.grid.fixed;
+    let at = &experiment.design.fixed;
     if at.machine().is_some() {
         object["si"] = si::measurement(at, m);
         object["warnings"] = warnings.into();
@@ -143,7 +147,7 @@ fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<&Spectrum>,
 
 /// Measures the point by the default scheme, where another one does not resolve it.
 fn by_default(experiment: &Experiment) -> Result<Option<Measurement>, Failure> {
-    if experiment.settings.scheme() == Scheme::Taylor || experiment.grid.point(0).is_rubbed() {
+    if experiment.settings.scheme() == Scheme::Taylor || experiment.design.point(0).is_rubbed() {
         return Ok(None);
     }
     let settings = Settings {
@@ -153,7 +157,7 @@ fn by_default(experiment: &Experiment) -> Result<Option<Measurement>, Failure> {
         ..experiment.settings.clone()
     };
     let mut backends = Backends::new(Box::new(CpuBackend::new(Precision::F64)), None);
-    let measured = backends.measure(&experiment.grid, &settings, &[0], &mut |_| {
+    let measured = backends.measure(&experiment.design, &settings, &[0], &mut |_| {
         progress::until_interrupted()
     });
     Ok(measured.map_err(Failure::backend)?.map(|measured| measured[0]))
@@ -191,7 +195,7 @@ fn print(experiment: &Experiment, m: &Measurement, by_default: Option<&Measureme
             return;
         }
     }
-    let at = &experiment.grid.fixed;
+    let at = &experiment.design.fixed;
     say!(
         "class               {}",
         m.class.map_or("-", tribochaos::measure::Class::name)

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::time::Duration;
 
+use tribochaos::design::{Coordinate, Spacing};
 use tribochaos::experiment::{Experiment, Scheme, Settings};
-use tribochaos::grid::Coordinate;
 use tribochaos::machine::units::si;
 use tribochaos::map::{self, ParameterMap};
 use tribochaos::measure::{Class, Quantity, is_scheme_to_blame};
@@ -16,25 +16,26 @@ use tribochaos::sweep::choice::Choice;
 pub fn plan(experiment: &Experiment) -> String {
     let settings = &experiment.settings;
     let mut plan = String::from("map");
-    for (place, axis) in ["over", "by"].iter().zip(&experiment.grid.axes) {
-        let _ = write!(
-            plan,
-            " {place} {} = {} ({})",
-            axis.coordinate,
-            match axis.coordinate {
-                Coordinate::Parameter(_) => format!("{}..{}", axis.start, axis.stop),
-                Coordinate::Si(_) => {
-                    let unit = experiment.grid.fixed.unit(axis.coordinate);
-                    format!("{}..{}", si(axis.start, unit), si(axis.stop, unit))
-                }
-            },
-            axis.count
-        );
+    for (place, axis) in ["over", "by"].iter().zip(experiment.design.axes()) {
+        let unit = experiment.design.fixed.unit(axis.coordinate);
+        let value = |value: f64| match axis.coordinate {
+            Coordinate::Parameter(_) => value.to_string(),
+            Coordinate::Si(_) => si(value, unit).to_string(),
+        };
+        let values = match axis.spacing() {
+            Spacing::Even { start, stop, .. } => format!("{}..{}", value(*start), value(*stop)),
+            Spacing::Logarithmic { start, stop, .. } => format!("{}..{}, logarithmic", value(*start), value(*stop)),
+            Spacing::Listed(_) => {
+                let [least, greatest] = axis.ends();
+                format!("a list from {} to {}", value(least), value(greatest))
+            }
+        };
+        let _ = write!(plan, " {place} {} = {values} ({})", axis.coordinate, axis.count());
     }
     let _ = write!(
         plan,
         ": {} points{}, {} of {} {} steps{}",
-        experiment.grid.len(),
+        experiment.design.len(),
         if settings.initial_states > 1 {
             format!(" x {} initial states", settings.initial_states)
         } else {
@@ -108,7 +109,7 @@ pub struct Work {
 pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[String]) -> String {
     let mut text = String::new();
     let settings = &map.experiment.settings;
-    let points = map.experiment.grid.len();
+    let points = map.experiment.design.len();
     if work.points == 0 {
         let _ = writeln!(
             text,
@@ -201,7 +202,7 @@ pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[St
                     .filter(|change| change.along == along && change.begins == begins)
                     .count()
             };
-            let axis = map.experiment.grid.axes[along].coordinate;
+            let axis = map.experiment.design.axes()[along].coordinate;
             format!(
                 "along {axis} it begins {} times and ends {} times",
                 count(true),

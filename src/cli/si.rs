@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use serde_json::{Value, json};
 use tribochaos::backend::Contact;
-use tribochaos::grid::Fixed;
+use tribochaos::design::Fixed;
 use tribochaos::machine::units::si;
 use tribochaos::machine::{Machine, Scale, SiQuantity};
 use tribochaos::measure::Measurement;

@@ -11,7 +11,7 @@ pub use preset::Preset;
 pub use request::Request;
 pub use settings::{BackendChoice, InitialBox, MAX_MODES, Precision, Scheme, Settings};
 
-use crate::grid::{AxisError, Coordinate, Extents, Grid, GridError};
+use crate::design::{AxisError, Coordinate, Design, DesignError, Extents, Varied};
 use crate::machine::{Description, MachineError, SiQuantity};
 use crate::model::friction::thinnest_layer;
 use crate::parameters::{PARAMETERS, Parameter, ParameterError};
@@ -19,7 +19,7 @@ use crate::parameters::{PARAMETERS, Parameter, ParameterError};
 /// A validated, fully resolved experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Experiment {
-    pub grid: Grid,
+    pub design: Design,
     pub settings: Settings,
     extents: Extents,
 }
@@ -31,34 +31,35 @@ impl Experiment {
             .iter()
             .map(|info| info.parameter)
             .filter(|&parameter| {
-                let mut axes = self.grid.axes.iter();
-                !axes.any(|axis| self.grid.fixed.moves(axis.coordinate, parameter))
+                let mut varied = self.design.varied.coordinates().into_iter();
+                !varied.any(|coordinate| self.design.fixed.moves(coordinate, parameter))
             })
-            .map(|parameter| (parameter, self.grid.fixed[parameter]))
+            .map(|parameter| (parameter, self.design.fixed[parameter]))
     }
 
-    /// The quantities of the machine that are an axis.
-    fn si_axes(&self) -> Vec<SiQuantity> {
-        let axes = self.grid.axes.iter();
-        axes.filter_map(|axis| match axis.coordinate {
-            Coordinate::Si(quantity) => Some(quantity),
-            Coordinate::Parameter(_) => None,
-        })
-        .collect()
+    /// The quantities of the machine that vary.
+    fn varied_quantities(&self) -> Vec<SiQuantity> {
+        let varied = self.design.varied.coordinates().into_iter();
+        varied
+            .filter_map(|coordinate| match coordinate {
+                Coordinate::Si(quantity) => Some(quantity),
+                Coordinate::Parameter(_) => None,
+            })
+            .collect()
     }
 
-    /// The machine as files hold it: with every value that is no axis.
+    /// The machine as files hold it: with every value that does not vary.
     pub fn machine_description(&self) -> Option<Description> {
-        let machine = self.grid.fixed.machine()?;
-        Some(machine.description(&self.si_axes()))
+        let machine = self.design.fixed.machine()?;
+        Some(machine.description(&self.varied_quantities()))
     }
 
-    /// Least and greatest value of a parameter over the grid.
+    /// Least and greatest value of a parameter over the design.
     pub fn extent(&self, parameter: Parameter) -> (f64, f64) {
         self.extents[parameter]
     }
 
-    /// Whether there is frictional heat or wear anywhere in the grid: the pressure is then no constant.
+    /// Whether there is frictional heat or wear anywhere in the design: the pressure is then no constant.
     pub fn is_rubbed(&self) -> bool {
         self.extent(Parameter::Gamma).1 > 0.0 || self.extent(Parameter::KW).1 > 0.0
     }
@@ -68,12 +69,12 @@ impl Experiment {
         self.settings.decide_early && !self.is_rubbed()
     }
 
-    /// Whether the contact wears anywhere in the grid.
+    /// Whether the contact wears anywhere in the design.
     pub fn wears(&self) -> bool {
         self.extent(Parameter::KW).1 > 0.0
     }
 
-    /// Whether f32 resolves the friction layer everywhere in the grid.
+    /// Whether f32 resolves the friction layer everywhere in the design.
     ///
     /// # Errors
     /// If not: with the thinnest layer and the greatest speed of the shaft.
@@ -83,7 +84,7 @@ impl Experiment {
         self.check_layer_in_f32(self.extent(Parameter::Epsilon0).0, speed)
     }
 
-    /// Whether f32 resolves the friction layer anywhere in the grid. Points at which it does not are computed in f64.
+    /// Whether f32 resolves the friction layer anywhere in the design. Points at which it does not are computed in f64.
     ///
     /// # Errors
     /// If not: with the thickest layer and the least speed of the shaft.
@@ -103,19 +104,17 @@ impl Experiment {
         Ok(())
     }
 
-    /// The experiment as TOML; [`Request::from_toml`] reads it back. Only maps have a file form.
-    ///
-    /// # Panics
-    /// If the experiment has not two axes.
+    /// The experiment as TOML; [`Request::from_toml`] reads it back.
     pub fn to_toml(&self) -> String {
-        let [x, y] = self.grid.axes[..] else {
-            panic!("an experiment file describes two axes")
+        let (axes, points) = match &self.design.varied {
+            Varied::Axes(axes) => (Some(axes.clone()), None),
+            Varied::Points(points) => (None, Some(points.clone())),
         };
-        let fixed = &self.grid.fixed;
+        let fixed = &self.design.fixed;
         let request = Request {
             out: None,
-            x,
-            y,
+            axes,
+            points,
             machine: self.machine_description(),
             set: self
                 .fixed_parameters()
@@ -137,7 +136,7 @@ pub enum ExperimentError {
     #[error(transparent)]
     Machine(#[from] MachineError),
     #[error(transparent)]
-    Grid(#[from] GridError),
+    Design(#[from] DesignError),
     #[error("{name} = {value} is out of range: it must be from {min} to {max}")]
     Setting {
         name: &'static str,
@@ -147,8 +146,10 @@ pub enum ExperimentError {
     },
     #[error("the initial box of {name} runs from {low} down to {high}: give the lower end first")]
     InitialBox { name: &'static str, low: f64, high: f64 },
-    #[error("both axes are {name}: give x and y different parameters")]
+    #[error("two axes are {name}: give each axis its own parameter")]
     SameAxes { name: &'static str },
+    #[error("the experiment has axes and points: leave one of the two out")]
+    AxesAndPoints,
     #[error("{name} is an axis and set to a value as well: leave one of the two out")]
     SetAxis { name: &'static str },
     #[error(

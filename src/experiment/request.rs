@@ -6,22 +6,25 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::{BackendChoice, Experiment, ExperimentError, Precision, Settings};
-use crate::grid::{Axis, Coordinate, Fixed, Grid};
+use crate::design::{Axis, Coordinate, Design, Fixed, Points, Varied};
 use crate::machine::{Description, SiQuantity};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// A request as it is written in a file: everything may be left out. [`Request::resolve`] makes it an
 /// [`Experiment`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Request {
     /// Where results go: the path all output names begin with. Not part of the experiment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub out: Option<PathBuf>,
-    /// Horizontal axis (zeta_k = 0..12, 300 values).
-    pub x: Axis,
-    /// Vertical axis (h1 = 0..2, 201 values).
-    pub y: Axis,
+    /// Axes, the first of which varies fastest; of a map the horizontal one and the vertical one. Where neither axes nor points are
+    /// given, each command has its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axes: Option<Vec<Axis>>,
+    /// Points one by one, instead of axes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points: Option<Points>,
     /// A machine in SI units, which determines most parameters.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub machine: Option<Description>,
@@ -31,6 +34,23 @@ pub struct Request {
     pub settings: Settings,
 }
 
+/// What version 0.1 wrote, with its tables `x` and `y` as axes; None of a text without them.
+fn of_version_0_1(text: &str) -> Option<toml::Table> {
+    let mut table: toml::Table = text.parse().ok()?;
+    if table.contains_key("axes") || !(table.contains_key("x") || table.contains_key("y")) {
+        return None;
+    }
+    let default = Request::default_map();
+    let axes = ["x", "y"].into_iter().zip(default).map(|(name, default)| {
+        table
+            .remove(name)
+            .unwrap_or_else(|| toml::Value::try_from(default).expect("an axis has a TOML form"))
+    });
+    let axes = axes.collect();
+    table.insert("axes".to_owned(), toml::Value::Array(axes));
+    Some(table)
+}
+
 /// Names are checked as they are read, so that a misspelt one is reported with its line and a suggestion.
 fn named_values<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, f64>, D::Error> {
     let values = HashMap::<Coordinate, f64>::deserialize(deserializer)?;
@@ -38,51 +58,45 @@ fn named_values<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<BTr
     Ok(named.collect())
 }
 
-impl Default for Request {
-    fn default() -> Self {
-        Self {
-            out: None,
-            x: Axis {
-                coordinate: Parameter::ZetaK.into(),
-                start: 0.0,
-                stop: 12.0,
-                count: 300,
-            },
-            y: Axis {
-                coordinate: Parameter::H1.into(),
-                start: 0.0,
-                stop: 2.0,
-                count: 201,
-            },
-            machine: None,
-            set: BTreeMap::new(),
-            settings: Settings::default(),
-        }
-    }
-}
-
 impl Request {
     /// # Errors
     /// If the text is no TOML, has an unknown key, or a value of the wrong type.
     pub fn from_toml(text: &str) -> Result<Self, ExperimentError> {
-        Ok(toml::from_str(text)?)
+        match of_version_0_1(text) {
+            Some(table) => Ok(table.try_into()?),
+            None => Ok(toml::from_str(text)?),
+        }
     }
 
-    /// The map that the request asks for.
+    /// A request for the product of some axes, and nothing else.
+    pub fn over(axes: Vec<Axis>) -> Self {
+        Self {
+            axes: Some(axes),
+            ..Self::default()
+        }
+    }
+
+    /// The axes of a map for which none are asked: zeta_k = 0..12, 300 values, by h1 = 0..2, 201 values.
+    pub fn default_map() -> [Axis; 2] {
+        let axis = |parameter: Parameter, stop, count| {
+            Axis::even(parameter, 0.0, stop, count).expect("the table of parameters admits the default map")
+        };
+        [axis(Parameter::ZetaK, 12.0, 300), axis(Parameter::H1, 2.0, 201)]
+    }
+
+    /// The experiment that the request asks for: over its axes or points, or over the default map where it has neither.
     ///
     /// # Errors
-    /// If a value is out of its range, the axes are the same, what is set is an axis, or the machine is none, somewhere on
-    /// the axes.
+    /// If there are axes and points, a value is out of its range, two axes are the same, what is set is an axis, or the machine is
+    /// none, somewhere on the axes.
     pub fn resolve(&self) -> Result<Experiment, ExperimentError> {
-        for axis in [&self.x, &self.y] {
-            axis.check()?;
-        }
-        if self.x.coordinate == self.y.coordinate {
-            return Err(ExperimentError::SameAxes {
-                name: self.x.coordinate.name(),
-            });
-        }
-        self.resolve_over(vec![self.x, self.y])
+        let varied = match (&self.axes, &self.points) {
+            (Some(_), Some(_)) => return Err(ExperimentError::AxesAndPoints),
+            (Some(axes), None) => Varied::Axes(axes.clone()),
+            (None, Some(points)) => Varied::Points(points.clone()),
+            (None, None) => Varied::Axes(Self::default_map().into()),
+        };
+        self.resolve_over(varied)
     }
 
     /// The one point that the request's `set` names; its axes are left aside.
@@ -90,21 +104,26 @@ impl Request {
     /// # Errors
     /// As [`Request::resolve`].
     pub fn resolve_point(&self) -> Result<Experiment, ExperimentError> {
-        self.resolve_over(Vec::new())
+        self.resolve_over(Varied::Axes(Vec::new()))
     }
 
-    /// The points over any axes, which must have been checked; the request's own are left aside.
+    /// The points of any design; the request's own axes and points are left aside.
     ///
     /// # Errors
     /// As [`Request::resolve`].
-    pub fn resolve_over(&self, axes: Vec<Axis>) -> Result<Experiment, ExperimentError> {
-        let grid = Grid {
-            fixed: self.fixed(&axes)?,
-            axes,
+    pub fn resolve_over(&self, varied: Varied) -> Result<Experiment, ExperimentError> {
+        let coordinates = varied.coordinates();
+        if let Some(twice) = (1..coordinates.len()).find(|&index| coordinates[..index].contains(&coordinates[index])) {
+            let name = coordinates[twice].name();
+            return Err(ExperimentError::SameAxes { name });
+        }
+        let design = Design {
+            fixed: self.fixed(&varied)?,
+            varied,
         };
         let mut experiment = Experiment {
-            extents: grid.extents()?,
-            grid,
+            extents: design.extents()?,
+            design,
             settings: self.settings.clone(),
         };
         experiment.settings = self.settings.for_model(experiment.is_rubbed())?;
@@ -119,20 +138,21 @@ impl Request {
         Ok(experiment)
     }
 
-    /// What holds at all points over the axes.
-    fn fixed(&self, axes: &[Axis]) -> Result<Fixed, ExperimentError> {
+    /// What holds at all points.
+    fn fixed(&self, varied: &Varied) -> Result<Fixed, ExperimentError> {
         let mut parameters = ParameterSet::default();
         let mut machine = self.machine.clone();
-        let mut si_axes: Vec<(SiQuantity, f64)> = Vec::new();
-        for axis in axes {
-            axis.coordinate.check_free(machine.is_some())?;
-            if let Coordinate::Si(quantity) = axis.coordinate {
-                si_axes.push((quantity, axis.start));
+        // a machine is complete with any value of what varies
+        let mut si_varied: Vec<(SiQuantity, f64)> = Vec::new();
+        for (coordinate, value) in varied.values(0) {
+            coordinate.check_free(machine.is_some())?;
+            if let Coordinate::Si(quantity) = coordinate {
+                si_varied.push((quantity, value));
             }
         }
         for (name, &value) in &self.set {
             let coordinate = Coordinate::from_name(name)?;
-            if axes.iter().any(|axis| axis.coordinate == coordinate) {
+            if varied.coordinates().contains(&coordinate) {
                 return Err(ExperimentError::SetAxis {
                     name: coordinate.name(),
                 });
@@ -145,7 +165,7 @@ impl Request {
                 (Coordinate::Si(_), None) => unreachable!("a quantity is free only where there is a machine"),
             }
         }
-        let machine = machine.map(|machine| machine.complete(&si_axes)).transpose()?;
+        let machine = machine.map(|machine| machine.complete(&si_varied)).transpose()?;
         Ok(Fixed::new(parameters, machine))
     }
 }

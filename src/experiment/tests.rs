@@ -1,5 +1,5 @@
 use super::*;
-use crate::grid::Axis;
+use crate::design::Axis;
 use crate::machine::TEMPLATE;
 
 #[test]
@@ -84,8 +84,7 @@ fn steps_and_renormalisations_too_far_apart_for_the_layer_are_warned_of() {
 
 fn with_machine(x: &str, y: &str) -> Request {
     Request {
-        x: Axis::parse(x).unwrap(),
-        y: Axis::parse(y).unwrap(),
+        axes: Some(vec![Axis::parse(x).unwrap(), Axis::parse(y).unwrap()]),
         machine: Some(Description::from_toml(TEMPLATE).unwrap()),
         ..Request::default()
     }
@@ -122,7 +121,7 @@ fn heat_and_wear_of_a_machine_are_seen_wherever_they_are() {
     let wears = resolve(&request);
     assert!(wears.wears() && wears.is_rubbed() && wears.settings.scheme() == Scheme::Radau);
     assert_eq!(wears.extent(Parameter::KW).0, 0.0);
-    request.y = Axis::parse("damping=0:500:4").unwrap();
+    request.axes.as_mut().unwrap()[1] = Axis::parse("damping=0:500:4").unwrap();
     request.set.insert("wear_coefficient".into(), 0.0);
     assert!(!resolve(&request).wears() && resolve(&request).is_rubbed());
     request.set.insert("wear_energy_share".into(), 1.0);

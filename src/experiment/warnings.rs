@@ -42,7 +42,7 @@ impl Experiment {
 
     /// Those of them that do not depend on how the experiment is computed: of the machine.
     pub fn machine_warnings(&self) -> Vec<String> {
-        let corners = self.grid.corner_machines();
+        let corners = self.design.extreme_machines();
         if corners.is_empty() {
             return Vec::new();
         }

@@ -3,10 +3,11 @@
 //! Owns its wording; breaks no lines.
 
 use super::PROGRAM;
-use super::ticks::{number, rounded};
+use super::panel::Scale;
+use super::ticks::{Tick, number, rounded};
 use crate::backend::BackendKind;
+use crate::design::{Axis, Coordinate, Fixed, Spacing};
 use crate::experiment::{Scheme, Settings};
-use crate::grid::{Axis, Coordinate, Fixed};
 use crate::machine::units::{Unit, five_digits};
 use crate::map::{CLOSED, ParameterMap, least_region};
 use crate::measure::{QUANTITIES, Quantity, Values};
@@ -68,11 +69,48 @@ impl AxisLabel {
             .fold(coordinate.meaning().to_owned(), |words, (name, symbol)| {
                 words.replace(name, symbol)
             });
-        let unit = Unit::suited(at.unit(coordinate), axis.start.abs().max(axis.stop.abs()));
+        let unit = Unit::suited(
+            at.unit(coordinate),
+            axis.ends().map(f64::abs).into_iter().fold(0.0, f64::max),
+        );
         Self {
             words: format!("{meaning}, {}{}", coordinate.symbol(), unit.bracketed()),
             factor: unit.factor,
         }
+    }
+
+    /// Where a value of the axis lies on its [`AxisLabel::scale`].
+    pub fn place(&self, axis: &Axis, value: f64) -> f64 {
+        match axis.spacing() {
+            Spacing::Even { .. } => self.factor * value,
+            Spacing::Logarithmic { .. } => (self.factor * value).log10(),
+            Spacing::Listed(_) => axis.place(value),
+        }
+    }
+
+    /// The axis of a panel, between two of its places: places are as [`Axis::place`] has them.
+    pub fn scale(&self, axis: &Axis, from: f64, to: f64) -> Scale {
+        let [low, high] = axis.ends().map(|end| self.place(axis, end));
+        let between = |place: f64| low + place * (high - low) / (axis.count() - 1) as f64;
+        match axis.spacing() {
+            Spacing::Even { .. } => Scale::new(&self.words, between(from), between(to)),
+            Spacing::Logarithmic { .. } => Scale::logarithmic(&self.words, between(from), between(to)),
+            Spacing::Listed(_) => Scale {
+                listed: self.listed(axis),
+                ..Scale::new(&self.words, from, to)
+            },
+        }
+    }
+
+    /// Ticks at the values of a list, by their places, rising.
+    pub fn listed(&self, axis: &Axis) -> Vec<Tick> {
+        let rising = axis.rising().into_iter().enumerate();
+        rising
+            .map(|(place, index)| Tick {
+                value: place as f64,
+                label: number(rounded(self.factor * axis.value(index))),
+            })
+            .collect()
     }
 }
 
@@ -95,9 +133,9 @@ pub fn assigned(at: &Fixed, coordinate: Coordinate, value: f64) -> String {
 }
 
 fn fixed_parameters(map: &ParameterMap) -> String {
-    let axes = map.experiment.grid.axes.iter();
+    let axes = map.experiment.design.axes().iter();
     let shown: Vec<Coordinate> = axes.map(|axis| axis.coordinate).collect();
-    fixed(&map.experiment.grid.fixed, &shown)
+    fixed(&map.experiment.design.fixed, &shown)
 }
 
 /// What a picture shows nowhere else, but in `shown`: parameters, or the machine's quantities and the parameters that it
@@ -146,7 +184,7 @@ fn fixed_list(at: &Fixed, shown: &[Coordinate]) -> String {
 
 fn numerics(map: &ParameterMap) -> String {
     let settings = &map.experiment.settings;
-    let (x, y) = (map.x_axis().count, map.y_axis().count);
+    let (x, y) = (map.x_axis().count(), map.y_axis().count());
     let run = if map.experiment.wears() {
         // where nothing wears a transient comes before
         format!("{} forcing periods from the start", settings.periods)

@@ -93,7 +93,7 @@ pub fn threshold(curve: &Curve) -> Panel {
     let label = AxisLabel::of(&curve.over, &curve.fixed);
     let along = curve.along.coordinate;
     let found = || curve.thresholds.iter().filter_map(|threshold| threshold.value());
-    let ends = [curve.along.start, curve.along.stop].map(f64::abs);
+    let ends = [curve.along.first(), curve.along.last()].map(f64::abs);
     let largest = found().map(f64::abs).reduce(f64::max).unwrap_or(ends[0].max(ends[1]));
     let unit = Unit::suited(curve.fixed.unit(along), largest);
     // the thresholds beyond which M changes sign on one side, below or above
@@ -101,7 +101,7 @@ pub fn threshold(curve: &Curve) -> Panel {
         let points = curve.thresholds.iter().enumerate().map(|(index, threshold)| {
             let found = threshold.value().filter(|_| threshold.changes_sign() == sides);
             [
-                label.factor * curve.over.value(index),
+                label.place(&curve.over, curve.over.value(index)),
                 found.map_or(f64::NAN, |value| unit.factor * value),
             ]
         });
@@ -111,11 +111,7 @@ pub fn threshold(curve: &Curve) -> Panel {
         ("from here upward Mel'nikov's function changes sign", [false, true]),
         ("from here downward Mel'nikov's function changes sign", [true, false]),
     ];
-    let (low, high) = (
-        curve.over.start.min(curve.over.stop),
-        curve.over.start.max(curve.over.stop),
-    );
-    let searched = [curve.along.start, curve.along.stop].map(|value| unit.factor * value);
+    let searched = [curve.along.first(), curve.along.last()].map(|value| unit.factor * value);
     let y_label = format!("threshold in {}{}", along.symbol(), unit.bracketed());
     let always = curve
         .thresholds
@@ -129,7 +125,7 @@ pub fn threshold(curve: &Curve) -> Panel {
     };
     Panel {
         title: String::new(),
-        x: Scale::new(&label.words, label.factor * low, label.factor * high),
+        x: label.scale(&curve.over, 0.0, curve.over.count() as f64 - 1.0),
         y: if found().next().is_some() {
             Scale::around(&y_label, found().map(|value| unit.factor * value))
         } else {
@@ -257,22 +253,18 @@ pub fn bifurcation(title: &str, diagram: &Diagram, component: Component, limits:
         Component::Y => SPEED,
     };
     let y = scale_of_states(&format!("{label} ({STROBOSCOPIC})"), limits, states());
-    let group = axis.count.div_ceil(frame[0] as usize);
-    let columns = axis.count.div_ceil(group);
-    let rises = axis.step() > 0.0;
-    let points = diagram.columns.iter().enumerate().flat_map(|(index, column)| {
-        let place = if rises { index } else { axis.count - 1 - index };
-        column.iter().map(move |state| [place as f64 + 0.5, value(state)])
+    let group = axis.count().div_ceil(frame[0] as usize);
+    let columns = axis.count().div_ceil(group);
+    let points = axis.rising().into_iter().enumerate().flat_map(|(place, index)| {
+        let column = diagram.columns[index].iter();
+        column.map(move |state| [place as f64 + 0.5, value(state)])
     });
     let extent = [0.0, (columns * group) as f64];
     let density = Density::new(points, extent, [y.low, y.high], [columns, frame[1] as usize]);
-    let (step, lowest) = (axis.step().abs(), axis.start.min(axis.stop));
-    let left = lowest - 0.5 * step;
     let label = AxisLabel::of(axis, &diagram.fixed);
-    let ends = [left, left + extent[1] * step].map(|end| label.factor * end);
     Panel {
         title: title.to_owned(),
-        x: Scale::new(&label.words, ends[0], ends[1]),
+        x: label.scale(axis, -0.5, extent[1] - 0.5),
         y,
         layers: vec![Layer::Density(density)],
         nothing: ALL_LEFT.to_owned(),
@@ -288,29 +280,29 @@ pub(super) const BAND: f64 = 2.0;
 pub fn exponents(title: &str, line: &Line, marks: &[(&str, f64)], limits: Limits) -> Panel {
     let axis = &line.axis;
     let label = AxisLabel::of(axis, &line.fixed);
-    let value_at = |index: usize| label.factor * axis.value(index);
+    let order = axis.rising();
+    let place_at = |index: usize| label.place(axis, axis.value(index));
     let rate_at = |index: usize| {
         let at = line.fixed.at([(axis.coordinate, axis.value(index))]);
         at.machine().map_or(1.0, |machine| 1.0 / machine.scales().time)
     };
     let curve = |value: fn(&Measurement) -> f64| -> Vec<[f64; 2]> {
-        let points = line.measurements.iter().enumerate();
+        let points = order.iter().map(|&index| (index, &line.measurements[index]));
         points
-            .map(|(index, m)| [value_at(index), rate_at(index) * value(m)])
+            .map(|(index, m)| [place_at(index), rate_at(index) * value(m)])
             .collect()
     };
     let band = |value: fn(&Measurement) -> [f64; 2]| -> Vec<[f64; 3]> {
-        let points = line.measurements.iter().enumerate();
+        let points = order.iter().map(|&index| (index, &line.measurements[index]));
         points
             .map(|(index, m)| {
                 let [value, error] = value(m).map(|value| rate_at(index) * value);
-                [value_at(index), value - BAND * error, value + BAND * error]
+                [place_at(index), value - BAND * error, value + BAND * error]
             })
             .collect()
     };
     let (first, second, third) = (colour_of(4), colour_of(0), FAINT);
-    let (low, high) = (axis.start.min(axis.stop), axis.start.max(axis.stop));
-    let (low, high) = (label.factor * low, label.factor * high);
+    let [low, high] = axis.ends().map(|end| label.place(axis, end));
     let occurs = |value: fn(&Measurement) -> f64| line.measurements.iter().any(|m| value(m).is_finite());
     let (lasts, has_second) = (occurs(|m| m.lyapunov_error), occurs(|m| m.lyapunov_second));
     let bands = match (lasts, has_second) {
@@ -353,7 +345,7 @@ pub fn exponents(title: &str, line: &Line, marks: &[(&str, f64)], limits: Limits
     });
     for (name, value) in marks {
         layers.push(Layer::Flag {
-            x: label.factor * value,
+            x: label.place(axis, *value),
             words: format!("{name}: {}", assigned(&line.fixed, axis.coordinate, rounded(*value))),
             stroke: Stroke::dashed([0, 0, 0], 1.2),
         });
@@ -398,7 +390,7 @@ mod tests {
     use super::*;
     use crate::analysis::melnikov::threshold_curve;
     use crate::backend::BackendKind;
-    use crate::grid::Axis;
+    use crate::design::Axis;
     use crate::measure::Status;
     use crate::parameters::ParameterSet;
 

@@ -17,7 +17,7 @@ pub fn write_border(path: &Path, map: &ParameterMap) -> Result<(), CsvError> {
     let coordinates = [map.x_axis().coordinate, map.y_axis().coordinate];
     let [x, y] = coordinates.map(|coordinate| coordinate.name());
     let [x_words, y_words] = coordinates.map(|coordinate| {
-        let unit = match map.experiment.grid.fixed.unit(coordinate) {
+        let unit = match map.experiment.design.fixed.unit(coordinate) {
             "1" => "dimensionless".to_owned(),
             unit => format!("in {unit}"),
         };

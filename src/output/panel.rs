@@ -9,7 +9,7 @@ use super::density::Density;
 use super::figure::FigureError;
 use super::svg::{hex, line, upright, words};
 use super::text::{widest, width, wrap};
-use super::ticks::{Tick, decades, ticks};
+use super::ticks::{Tick, decades, thinned, ticks};
 
 /// One axis: its words and its ends.
 #[derive(Clone, Debug)]
@@ -23,6 +23,8 @@ pub struct Scale {
     pub is_blank: bool,
     /// Whether values are decadic logarithms of what the ticks say.
     pub is_logarithmic: bool,
+    /// The ticks of an axis of listed values; empty for others.
+    pub listed: Vec<Tick>,
 }
 
 impl Scale {
@@ -34,6 +36,7 @@ impl Scale {
             is_bare: false,
             is_blank: false,
             is_logarithmic: false,
+            listed: Vec::new(),
         }
     }
 
@@ -512,14 +515,20 @@ fn x_ticks(scale: &Scale, length: f64) -> Vec<Tick> {
     if scale.is_blank {
         return Vec::new();
     }
-    let fits = |ticks: &Vec<Tick>| {
+    let fits = |ticks: &[Tick]| {
         let widest = widest(ticks.iter().map(|tick| tick.label.as_str()), TICK_SIZE);
         ticks.len() as f64 * (widest + 22.0) <= length + widest
     };
+    if !scale.listed.is_empty() {
+        return thinned(scale.listed.clone(), fits);
+    }
+    if scale.is_logarithmic {
+        return thinned(decades(scale.low, scale.high), fits);
+    }
     (2..=(length / 60.0) as usize)
         .rev()
         .map(|most| ticks(scale.low, scale.high, most))
-        .find(fits)
+        .find(|ticks| fits(ticks))
         .unwrap_or_else(|| ticks(scale.low, scale.high, 2))
 }
 

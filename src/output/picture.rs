@@ -50,10 +50,10 @@ impl Default for Style {
 /// # Panics
 /// If the experiment has not two axes.
 pub fn check_size(experiment: &Experiment, style: &Style) -> Result<(), FigureError> {
-    let [x, y] = &experiment.grid.axes[..] else {
+    let [x, y] = experiment.design.axes() else {
         panic!("a map has two axes")
     };
-    plot::cell_size(x.count, y.count, style.size).map(|_| ())
+    plot::cell_size(x.count(), y.count(), style.size).map(|_| ())
 }
 
 /// The map of any quantity; the exponent's and the period's are [`lyapunov_picture`] and [`period_picture`].
@@ -301,7 +301,7 @@ fn spoken(name: &str) -> String {
 }
 
 fn cells(map: &ParameterMap, cell: impl Fn(usize) -> Cell) -> Vec<Cell> {
-    let points = 0..map.experiment.grid.len();
+    let points = 0..map.experiment.design.len();
     points
         .map(|index| {
             if map.is_computed(index) {
@@ -359,7 +359,7 @@ pub fn label(map: &ParameterMap, quantity: Quantity) -> &'static str {
     let experiment = &map.experiment;
     match quantity {
         Quantity::Lyapunov if experiment.wears() => "Lyapunov exponent of finite time, λ₁",
-        _ if experiment.grid.fixed.machine().is_some() => quantity.si_label(),
+        _ if experiment.design.fixed.machine().is_some() => quantity.si_label(),
         _ => quantity.info().label,
     }
 }

@@ -11,8 +11,8 @@ use super::figure::{Figure, FigureError};
 use super::raster;
 use super::svg::{hatch, hex, line, upright, words};
 use super::text::{self, widest, width, wrap};
-use super::ticks::{Tick, ticks};
-use crate::grid::Axis;
+use super::ticks::{self, Tick, ticks};
+use crate::design::{Axis, Spacing};
 use crate::map::{Change, ParameterMap};
 
 /// What a point of the map shows.
@@ -121,9 +121,9 @@ impl Plot {
     /// An empty plot with the axes of a map.
     pub fn of(map: &ParameterMap) -> Self {
         Self {
-            x: *map.x_axis(),
-            y: *map.y_axis(),
-            labels: [map.x_axis(), map.y_axis()].map(|axis| AxisLabel::of(axis, &map.experiment.grid.fixed)),
+            x: map.x_axis().clone(),
+            y: map.y_axis().clone(),
+            labels: [map.x_axis(), map.y_axis()].map(|axis| AxisLabel::of(axis, &map.experiment.design.fixed)),
             cells: Vec::new(),
             kinds: Vec::new(),
             heading: String::new(),
@@ -135,8 +135,8 @@ impl Plot {
 
     /// Draws the plot above the paragraphs of its caption.
     pub fn draw(&self, size: [u32; 2], caption: &[String]) -> Result<Figure, FigureError> {
-        let cell = cell_size(self.x.count, self.y.count, size)?.map(f64::from);
-        let (plot_width, plot_height) = (cell[0] * self.x.count as f64, cell[1] * self.y.count as f64);
+        let cell = cell_size(self.x.count(), self.y.count(), size)?.map(f64::from);
+        let (plot_width, plot_height) = (cell[0] * self.x.count() as f64, cell[1] * self.y.count() as f64);
         let unit = (plot_width / 960.0).min(plot_height / 640.0).clamp(1.0, 8.0);
         let mut layout = Layout {
             cell,
@@ -149,14 +149,8 @@ impl Plot {
 
         let [x_label, y_label] = &self.labels;
         let x_room = |widest: f64| (widest + 20.0 * unit).max(95.0 * unit);
-        let x_ticks = axis_ticks(&self.x, x_label.factor, plot_width, x_room, layout.tick_size());
-        let y_ticks = axis_ticks(
-            &self.y,
-            y_label.factor,
-            plot_height,
-            |_| 60.0 * unit,
-            layout.tick_size(),
-        );
+        let x_ticks = axis_ticks(&self.x, x_label, plot_width, x_room, layout.tick_size());
+        let y_ticks = axis_ticks(&self.y, y_label, plot_height, |_| 60.0 * unit, layout.tick_size());
         let y_label = wrap(&y_label.words, layout.label_size(), plot_height);
         let y_tick_width = widest(y_ticks.iter().map(|tick| tick.label.as_str()), layout.tick_size());
         let label_line = 1.35 * layout.label_size();
@@ -278,13 +272,11 @@ impl Plot {
 
     /// Values rise to the right, whichever way the axis runs.
     fn x_pixel(&self, value: f64, layout: &Layout) -> f64 {
-        let low = self.x.start.min(self.x.stop);
-        layout.left + ((value - low) / self.x.step().abs() + 0.5) * layout.cell[0]
+        layout.left + (self.x.place(value) + 0.5) * layout.cell[0]
     }
 
     fn y_pixel(&self, value: f64, layout: &Layout) -> f64 {
-        let low = self.y.start.min(self.y.stop);
-        layout.top + layout.height - ((value - low) / self.y.step().abs() + 0.5) * layout.cell[1]
+        layout.top + layout.height - (self.y.place(value) + 0.5) * layout.cell[1]
     }
 
     /// Draws ticks and labels; the y of the lowest.
@@ -424,13 +416,42 @@ fn dashes(unit: f64) -> String {
     format!(" stroke-dasharray=\"{} {}\"", 9.0 * unit, 4.0 * unit)
 }
 
+/// Ticks of any axis of a map, by their values.
+fn axis_ticks(axis: &Axis, label: &AxisLabel, length: f64, room: impl Fn(f64) -> f64, size: f64) -> Vec<Tick> {
+    let fits = |ticks: &[Tick]| {
+        let widest = widest(ticks.iter().map(|tick| tick.label.as_str()), size);
+        ticks.len() as f64 * room(widest) <= length + room(widest)
+    };
+    match axis.spacing() {
+        Spacing::Even { .. } => even_ticks(axis, label.factor, length, room, size),
+        Spacing::Logarithmic { .. } => {
+            let [low, high] = axis.ends().map(|end| (label.factor * end).log10());
+            let ticks = ticks::thinned(ticks::decades(low, high), fits);
+            let values = ticks.into_iter().map(|tick| Tick {
+                value: 10f64.powf(tick.value) / label.factor,
+                ..tick
+            });
+            values.collect()
+        }
+        Spacing::Listed(_) => {
+            let rising = axis.rising();
+            let ticks = ticks::thinned(label.listed(axis), fits);
+            let values = ticks.into_iter().map(|tick| Tick {
+                value: axis.value(rising[tick.value as usize]),
+                ..tick
+            });
+            values.collect()
+        }
+    }
+}
+
 /// Ticks within the values of the axis, not within the half cells beyond: there the map says nothing. They are round numbers
 /// once multiplied with `factor`. `room` is the least distance between ticks, given the width of the widest label; `length`
 /// is that of the whole map.
-fn axis_ticks(axis: &Axis, factor: f64, length: f64, room: impl Fn(f64) -> f64, size: f64) -> Vec<Tick> {
-    let [start, stop] = [axis.start, axis.stop].map(|end| factor * end);
+fn even_ticks(axis: &Axis, factor: f64, length: f64, room: impl Fn(f64) -> f64, size: f64) -> Vec<Tick> {
+    let [start, stop] = [axis.first(), axis.last()].map(|end| factor * end);
     let (low, high) = (start.min(stop), start.max(stop));
-    let length = length * (axis.count - 1) as f64 / axis.count as f64;
+    let length = length * (axis.count() - 1) as f64 / axis.count() as f64;
     let most = (length / room(0.0)) as usize;
     let fits = |ticks: &Vec<Tick>| {
         let widest = widest(ticks.iter().map(|tick| tick.label.as_str()), size);

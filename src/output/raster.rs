@@ -10,11 +10,10 @@ use super::plot::{Cell, Plot};
 /// The map as the data URI of a PNG image, values rising to the right and upwards; points that are not computed are
 /// transparent.
 pub fn encode(plot: &Plot) -> Result<String, FigureError> {
-    let (columns, rows) = (plot.x.count, plot.y.count);
+    let (columns, rows) = (plot.x.count(), plot.y.count());
+    let (across, up) = (plot.x.rising(), plot.y.rising());
     let image = RgbaImage::from_fn(columns as u32, rows as u32, |x, y| {
-        let (x, y) = (x as usize, y as usize);
-        let column = if plot.x.step() < 0.0 { columns - 1 - x } else { x };
-        let row = if plot.y.step() < 0.0 { y } else { rows - 1 - y };
+        let (column, row) = (across[x as usize], up[rows - 1 - y as usize]);
         let colour = match plot.cells[row * columns + column] {
             Cell::NotComputed => return Rgba([0, 0, 0, 0]),
             Cell::Kind(kind) => plot.kinds[kind].colour,

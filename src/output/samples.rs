@@ -1,16 +1,15 @@
 //! Made-up maps for the tests of the output layer.
 
 use crate::backend::{BackendKind, Contact};
+use crate::design::Axis;
 use crate::experiment::{Experiment, Request};
-use crate::grid::Axis;
 use crate::machine::{Description, TEMPLATE};
 use crate::map::ParameterMap;
 use crate::measure::{Class, Measurement, Status};
 
 pub fn experiment(x: &str, y: &str) -> Experiment {
     let request = Request {
-        x: Axis::parse(x).unwrap(),
-        y: Axis::parse(y).unwrap(),
+        axes: Some(vec![Axis::parse(x).unwrap(), Axis::parse(y).unwrap()]),
         ..Request::default()
     };
     request.resolve().unwrap()
@@ -19,8 +18,7 @@ pub fn experiment(x: &str, y: &str) -> Experiment {
 /// As [`experiment`], of the machine that has the paper's preset.
 pub fn machine_experiment(x: &str, y: &str) -> Experiment {
     let request = Request {
-        x: Axis::parse(x).unwrap(),
-        y: Axis::parse(y).unwrap(),
+        axes: Some(vec![Axis::parse(x).unwrap(), Axis::parse(y).unwrap()]),
         machine: Some(Description::from_toml(TEMPLATE).unwrap()),
         ..Request::default()
     };

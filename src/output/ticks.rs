@@ -36,18 +36,40 @@ pub fn ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
         .collect()
 }
 
-/// Ticks of a logarithmic axis between two decadic logarithms: powers of ten, or 1, 2 and 5 times them where there are few.
+/// Ticks of a logarithmic axis between two decadic logarithms: powers of ten, or 1, 2 and 5 times them where there are few, or round
+/// numbers at equal distances where there are fewer still.
 pub fn decades(low: f64, high: f64) -> Vec<Tick> {
+    // an end that is a power of ten must not be lost to rounding
+    let slack = 1e-9 * (high - low);
+    let (low, high) = (low - slack, high + slack);
     let factors: &[f64] = if high - low > 2.5 { &[1.0] } else { &[1.0, 2.0, 5.0] };
     let powers = low.floor() as i32..=high.ceil() as i32;
-    powers
+    let of_decades: Vec<Tick> = powers
         .flat_map(|power| factors.iter().map(move |factor| (power, *factor)))
         .map(|(power, factor)| Tick {
             value: f64::from(power) + factor.log10(),
             label: number(rounded(factor * 10f64.powi(power))),
         })
         .filter(|tick| (low..=high).contains(&tick.value))
-        .collect()
+        .collect();
+    if of_decades.len() > 1 {
+        return of_decades;
+    }
+    let between = ticks(10f64.powf(low), 10f64.powf(high), 5).into_iter();
+    let between = between.map(|tick| Tick {
+        value: tick.value.log10(),
+        ..tick
+    });
+    between.collect()
+}
+
+/// Every second, third ... of the ticks, the first among them, so that they fit.
+pub fn thinned(ticks: Vec<Tick>, fits: impl Fn(&[Tick]) -> bool) -> Vec<Tick> {
+    let every = |stride: usize| -> Vec<Tick> { ticks.iter().step_by(stride).cloned().collect() };
+    (1..ticks.len())
+        .map(every)
+        .find(|ticks| fits(ticks))
+        .unwrap_or_else(|| every(ticks.len().max(1)))
 }
 
 /// The least of 1, 2, 5 times a power of ten that is `least` or more.
@@ -150,6 +172,23 @@ mod tests {
         assert_eq!(labels(-3.1, 0.1), ["0.001", "0.01", "0.1", "1"]);
         assert_eq!(labels(-1.1, 0.1), ["0.1", "0.2", "0.5", "1"]);
         assert_eq!(decades(-1.0, 0.0)[1].value, 0.2f64.log10());
+        assert_eq!(
+            labels(3f64.log10(), 4f64.log10()),
+            ["3.0", "3.2", "3.4", "3.6", "3.8", "4.0"]
+        );
+    }
+
+    #[test]
+    fn ticks_that_do_not_fit_are_thinned_evenly() {
+        let all = ticks(0.0, 10.0, 10);
+        let labels = |most: usize| -> Vec<String> {
+            let fits = |ticks: &[Tick]| ticks.len() <= most;
+            thinned(all.clone(), fits).into_iter().map(|tick| tick.label).collect()
+        };
+        assert_eq!(labels(11).len(), 11);
+        assert_eq!(labels(6), ["0", "2", "4", "6", "8", "10"]);
+        assert_eq!(labels(5), ["0", "3", "6", "9"]);
+        assert_eq!(labels(1), ["0"]);
     }
 
     #[test]

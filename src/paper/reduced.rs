@@ -9,9 +9,9 @@ use crate::analysis::exponents::{from, lines};
 use crate::analysis::onset::{Definition, Found, Scan, Way, fine_axis};
 use crate::backend::BackendKind;
 use crate::backend::cpu::CpuBackend;
+use crate::design::{Axis, Fixed};
 use crate::dynamics::spectrum::lyapunov_spectrum;
 use crate::experiment::{Precision, Settings};
-use crate::grid::{Axis, Fixed};
 use crate::output::charts::{self, Component};
 use crate::output::panel::Panel;
 use crate::output::sheet::{BESIDE, Sheet};
@@ -65,12 +65,7 @@ impl Work {
 }
 
 fn axis([start, stop]: [f64; 2], count: usize) -> Axis {
-    Axis {
-        coordinate: Parameter::ZetaK.into(),
-        start,
-        stop,
-        count,
-    }
+    Axis::even(Parameter::ZetaK, start, stop, count).expect("the table of parameters admits the figure's axes")
 }
 
 fn damped(h1: f64) -> Fixed {

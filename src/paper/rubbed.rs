@@ -7,9 +7,9 @@ use super::{Data, Effort, Observer, Outcome, PaperError};
 use crate::analysis::path::path;
 use crate::backend::BackendKind;
 use crate::backend::cpu::CpuBackend;
+use crate::design::Design;
 use crate::dynamics::history::{History, Sample, history};
 use crate::experiment::{Precision, Preset, Scheme, Settings};
-use crate::grid::Grid;
 use crate::measure::{Class, Measurement};
 use crate::output::histories::{self, Course, courses, curve};
 use crate::output::panel::Panel;
@@ -187,13 +187,10 @@ const ANGLES: [f64; 2] = [-2.5, 2.5];
 const SPEEDS: [f64; 2] = [-4.5, 4.5];
 
 fn measured(work: &Work, point: &ParameterSet, observer: &mut Observer<'_>) -> Result<Option<Measurement>, PaperError> {
-    let grid = Grid {
-        axes: Vec::new(),
-        fixed: (*point).into(),
-    };
+    let design = Design::product(Vec::new(), (*point).into());
     let mut backends = Backends::new(Box::new(CpuBackend::new(Precision::F64)), None);
     let observer = &mut |_: crate::sweep::Event<'_>| observer();
-    let measured = backends.measure(&grid, &work.settings, &[0], observer)?;
+    let measured = backends.measure(&design, &work.settings, &[0], observer)?;
     Ok(measured.map(|measured| measured[0]))
 }
 

@@ -70,7 +70,8 @@ pub fn choose(map: &ParameterMap, points: usize) -> Vec<(Option<Class>, Vec<usiz
         .map(Some)
         .chain([None])
         .map(|class| {
-            let indices = (0..map.experiment.grid.len()).filter(|&index| map.is_ok(index) && map.class(index) == class);
+            let indices =
+                (0..map.experiment.design.len()).filter(|&index| map.is_ok(index) && map.class(index) == class);
             (class, indices.collect())
         })
         .filter(|(_, indices): &(_, Vec<usize>)| !indices.is_empty())
@@ -102,7 +103,7 @@ pub fn audit(map: &ParameterMap, points: usize, observer: &mut Observer<'_>) -> 
     let mut reference = Backends::new(Box::new(CpuBackend::new(Precision::F64)), None);
     let strata = choose(map, points);
     let indices: Vec<usize> = strata.iter().flat_map(|(_, indices)| indices.iter().copied()).collect();
-    let Some(again) = reference.measure(&map.experiment.grid, &map.experiment.settings, &indices, observer)? else {
+    let Some(again) = reference.measure(&map.experiment.design, &map.experiment.settings, &indices, observer)? else {
         return Ok(None);
     };
     let mut again = indices.iter().zip(&again);
@@ -142,8 +143,8 @@ mod tests {
 
     /// A map of 10 x 10 points: three chaotic, one undecided, the rest regular.
     fn map() -> ParameterMap {
-        let mut request = Request::default();
-        (request.x.count, request.y.count) = (10, 10);
+        let axes = Request::default_map().map(|axis| axis.resampled(10));
+        let request = Request::over(axes.into());
         let mut map = ParameterMap::new(request.resolve().unwrap());
         for index in 0..100 {
             let class = match index {

@@ -23,7 +23,7 @@ const NEIGHBOURS: usize = 32;
 /// If the backend fails.
 pub fn seconds(backends: &mut Backends, experiment: &Experiment) -> Result<f64, BackendError> {
     let settings = &experiment.settings;
-    let points = experiment.grid.len();
+    let points = experiment.design.len();
     let batch = backends.points_per_batch(settings).min(points);
     // a GPU takes as long for a few points as for a batch
     let mut sample = match backends.active().kind() {
@@ -34,7 +34,7 @@ pub fn seconds(backends: &mut Backends, experiment: &Experiment) -> Result<f64, 
         let indices = spread(sample, points);
         let started = Instant::now();
         let mut done = 0;
-        let finished = backends.measure(&experiment.grid, settings, &indices, &mut |event| {
+        let finished = backends.measure(&experiment.design, settings, &indices, &mut |event| {
             if let Event::Advanced(instance_periods) = event {
                 done += instance_periods;
             }
@@ -57,7 +57,7 @@ pub fn seconds(backends: &mut Backends, experiment: &Experiment) -> Result<f64, 
     }
 }
 
-/// Indices of about `sample` of the points: runs of neighbours from all over the grid.
+/// Indices of about `sample` of the points: runs of neighbours from all over the design.
 fn spread(sample: usize, points: usize) -> Vec<usize> {
     let runs = sample.div_ceil(NEIGHBOURS);
     let length = sample.div_ceil(runs);

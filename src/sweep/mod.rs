@@ -1,4 +1,4 @@
-//! From a grid to its measurements: points to instances, instances to batches, batches to a backend, and back.
+//! From a design to its measurements: points to instances, instances to batches, batches to a backend, and back.
 //!
 //! Owns the order of the work, the fall-back to another backend, and cancellation; neither stores nor draws nor prints.
 
@@ -10,8 +10,8 @@ pub mod initial_states;
 use std::ops::ControlFlow;
 
 use crate::backend::{Backend, BackendError};
+use crate::design::Design;
 use crate::experiment::{Experiment, Settings};
-use crate::grid::Grid;
 use crate::measure::{self, Measurement, Status};
 use crate::parameters::ParameterSet;
 
@@ -24,7 +24,7 @@ pub fn instance_periods(settings: &Settings, points: usize) -> u64 {
 
 /// Rows and columns of a map's tiles: whole rows of it if they hold no more than `points`, else parts of one.
 pub fn tile_shape(experiment: &Experiment, points: usize) -> [usize; 2] {
-    let [x, y] = [0, 1].map(|axis| experiment.grid.axes[axis].count);
+    let [x, y] = [0, 1].map(|axis| experiment.design.axes()[axis].count());
     if points >= x {
         [(points / x).min(y), x]
     } else {
@@ -76,17 +76,17 @@ impl Backends {
     /// Points in a tile: a batch, but no more than an eighth of a large map, since what is not a finished tile is lost when
     /// the run is interrupted, and not so few that the store falls into crumbs.
     pub fn points_per_tile(&self, experiment: &Experiment) -> usize {
-        let eighth = experiment.grid.len().div_ceil(8).max(MIN_SHARE);
+        let eighth = experiment.design.len().div_ceil(8).max(MIN_SHARE);
         self.points_per_batch(&experiment.settings).min(eighth).max(MIN_TILE)
     }
 
-    /// Measures the points of a grid with the given indices, in their order; None if the observer broke it off.
+    /// Measures the points of a design with the given indices, in their order; None if the observer broke it off.
     ///
     /// # Errors
     /// If the backend fails and no fall-back is left.
     pub fn measure(
         &mut self,
-        grid: &Grid,
+        design: &Design,
         settings: &Settings,
         indices: &[usize],
         observer: &mut Observer<'_>,
@@ -97,7 +97,7 @@ impl Backends {
             let points = self.points_per_batch(settings).min(indices.len() - measurements.len());
             let instances: Vec<_> = indices[measurements.len()..][..points]
                 .iter()
-                .flat_map(|&index| initial_states::instances(grid.point(index), &states))
+                .flat_map(|&index| initial_states::instances(design.point(index), &states))
                 .collect();
             let mut progress = |instance_periods| observer(Event::Advanced(instance_periods));
             match measure_states(self.active.as_mut(), settings, &instances, &mut progress) {

@@ -12,7 +12,7 @@ use crate::common::{PRECISIONS, from_state, measure};
 
 /// Every `stride`-th point of the default map.
 fn map_points(stride: usize) -> Vec<ParameterSet> {
-    let grid = Request::default().resolve().unwrap().grid;
+    let grid = Request::default().resolve().unwrap().design;
     (0..grid.len()).step_by(stride).map(|index| grid.point(index)).collect()
 }
 

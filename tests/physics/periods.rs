@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use tribochaos::backend::cpu::CpuBackend;
+use tribochaos::design::Axis;
 use tribochaos::experiment::{Experiment, Precision, Request, Settings};
-use tribochaos::grid::Axis;
 use tribochaos::measure::Class;
 use tribochaos::parameters::{Parameter, ParameterSet};
 use tribochaos::sweep::{Backends, initial_states};
@@ -324,8 +324,7 @@ fn exponents_are_continuous_as_the_drive_vanishes() {
 
 fn experiment(x: &str, y: &str, states: u32, settings: &Settings) -> Experiment {
     let request = Request {
-        x: Axis::parse(x).unwrap(),
-        y: Axis::parse(y).unwrap(),
+        axes: Some(vec![Axis::parse(x).unwrap(), Axis::parse(y).unwrap()]),
         settings: Settings {
             initial_states: states,
             ..settings.clone()
@@ -337,7 +336,7 @@ fn experiment(x: &str, y: &str, states: u32, settings: &Settings) -> Experiment 
 
 /// Of every point of a map.
 fn attractors(experiment: &Experiment) -> Vec<u32> {
-    let grid = &experiment.grid;
+    let grid = &experiment.design;
     let indices: Vec<usize> = (0..grid.len()).collect();
     let mut backends = Backends::new(Box::new(CpuBackend::new(Precision::F64)), None);
     let measured = backends.measure(grid, &experiment.settings, &indices, &mut |_| ControlFlow::Continue(()));
@@ -347,7 +346,7 @@ fn attractors(experiment: &Experiment) -> Vec<u32> {
 /// What is told of each orbit of a point, where a test fails.
 fn orbits_of(experiment: &Experiment, index: usize) -> Vec<String> {
     let states = initial_states::offsets(&experiment.settings);
-    let instances: Vec<_> = initial_states::instances(experiment.grid.point(index), &states).collect();
+    let instances: Vec<_> = initial_states::instances(experiment.design.point(index), &states).collect();
     let measured = measure(Precision::F64, &experiment.settings, &instances);
     let mut told: Vec<String> = (measured.iter())
         .map(|m| {

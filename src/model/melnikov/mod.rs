@@ -16,7 +16,7 @@ pub use self::extremes::Extremes;
 pub use self::integrals::Integrals;
 pub use self::threshold::{Threshold, border, changes_sign, threshold};
 
-use crate::grid::{Coordinate, Fixed};
+use crate::design::{Coordinate, Fixed};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// The parameters that M depends on. The strength epsilon of the perturbation is a factor of the whole distance, the layer

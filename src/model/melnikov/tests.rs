@@ -2,7 +2,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::*;
-use crate::grid::Axis;
+use crate::design::Axis;
 use crate::machine::{self, Description, SiQuantity};
 
 struct Random(ChaCha8Rng);
@@ -196,7 +196,7 @@ fn extremes_bound_the_function() {
 
 /// The threshold along an axis from `low` to `high`.
 fn find(at: ParameterSet, parameter: Parameter, low: f64, high: f64) -> Threshold {
-    threshold(&at.into(), &Axis::new(parameter, low, high, 121).unwrap()).unwrap()
+    threshold(&at.into(), &Axis::even(parameter, low, high, 121).unwrap()).unwrap()
 }
 
 #[test]
@@ -247,11 +247,8 @@ fn thresholds_in_quantities_of_a_machine_are_those_of_its_parameters() {
     let mut searched = Vec::new();
     for quantity in fixed.machine().unwrap().quantities() {
         let value = fixed.machine().unwrap().value(quantity);
-        let axis = Axis {
-            coordinate: quantity.into(),
-            start: 0.9 * value,
-            stop: 1.1 * value,
-            count: 41,
+        let Ok(axis) = Axis::even(quantity, 0.9 * value, 1.1 * value, 41) else {
+            continue;
         };
         let found = match threshold(&fixed, &axis) {
             Ok(found) => found,
@@ -273,7 +270,7 @@ fn thresholds_in_quantities_of_a_machine_are_those_of_its_parameters() {
 
 #[test]
 fn what_cannot_be_searched_is_refused() {
-    let axis = Axis::new(Parameter::Epsilon0, 0.1, 1.0, 9).unwrap();
+    let axis = Axis::even(Parameter::Epsilon0, 0.1, 1.0, 9).unwrap();
     let error = threshold(&point(&[]).into(), &axis).unwrap_err();
     assert!(error.to_string().contains("does not depend on epsilon_0"));
     let error = Melnikov::new(&point(&[(Parameter::B, -1.0)])).unwrap_err();

@@ -3,7 +3,7 @@
 //! Owns the search along an axis and the border between two points; curves over two axes are made of them elsewhere.
 
 use super::{Melnikov, MelnikovError, check_depends};
-use crate::grid::{Axis, Fixed};
+use crate::design::{Axis, Fixed};
 use crate::parameters::ParameterSet;
 
 /// The first change along a rising axis.
@@ -47,8 +47,8 @@ impl Threshold {
 pub fn threshold(at: &Fixed, along: &Axis) -> Result<Threshold, MelnikovError> {
     check_depends(at, along.coordinate)?;
     let at = |value: f64| *at.at([(along.coordinate, value)]).parameters();
-    let at_first = changes_sign(&at(along.start))?;
-    for index in 1..along.count {
+    let at_first = changes_sign(&at(along.first()))?;
+    for index in 1..along.count() {
         let [last, next] = [along.value(index - 1), along.value(index)];
         if changes_sign(&at(next))? != at_first {
             return Ok(if at_first {

@@ -5,7 +5,7 @@
 use serde_json::json;
 use zarrs::array::{ArrayBuilder, ArrayMetadataOptions, DataType, data_type};
 
-use crate::grid::{Axis, Fixed};
+use crate::design::{Axis, Fixed};
 use crate::machine::Scale;
 use crate::measure::{QUANTITIES, QuantityInfo, Values};
 
@@ -34,7 +34,7 @@ pub fn plain_metadata() -> ArrayMetadataOptions {
 
 pub fn coordinate(axis: &Axis, fixed: &Fixed) -> ArrayBuilder {
     let coordinate = axis.coordinate;
-    let count = axis.count as u64;
+    let count = axis.count() as u64;
     let mut array = ArrayBuilder::new(vec![count], vec![count], data_type(Values::Number), f64::NAN);
     array.dimension_names(Some([coordinate.name()]));
     let attributes = array.attributes_mut();
@@ -46,7 +46,7 @@ pub fn coordinate(axis: &Axis, fixed: &Fixed) -> ArrayBuilder {
 
 /// What a dimensionless quantity is multiplied with at each point to be one in SI units.
 pub fn scale(scale: Scale, x: &Axis, y: &Axis, tile: [usize; 2]) -> ArrayBuilder {
-    let shape = vec![y.count as u64, x.count as u64];
+    let shape = vec![y.count() as u64, x.count() as u64];
     let chunk = tile.map(|count| count as u64).to_vec();
     let mut array = ArrayBuilder::new(shape, chunk, data_type(Values::Number), f64::NAN);
     array.dimension_names(Some([y.coordinate.name(), x.coordinate.name()]));
@@ -62,7 +62,7 @@ pub fn scale(scale: Scale, x: &Axis, y: &Axis, tile: [usize; 2]) -> ArrayBuilder
 }
 
 pub fn variable(info: &QuantityInfo, x: &Axis, y: &Axis, tile: [usize; 2]) -> ArrayBuilder {
-    let shape = vec![y.count as u64, x.count as u64];
+    let shape = vec![y.count() as u64, x.count() as u64];
     let chunk = tile.map(|count| count as u64).to_vec();
     let mut array = match info.values {
         Values::Number => ArrayBuilder::new(shape, chunk, data_type(info.values), f64::NAN),

@@ -15,8 +15,8 @@ use zarrs::group::{Group, GroupBuilder};
 use self::layout::{FORMAT, FORMAT_VERSION, NO_CODE, coordinate, data_type, node, plain_metadata, variable};
 use self::scales::ScaleArrays;
 use super::{PROGRAM, write_whole};
+use crate::design::Axis;
 use crate::experiment::{Experiment, Request};
-use crate::grid::Axis;
 use crate::map::ParameterMap;
 use crate::measure::{Measurement, QUANTITIES, Quantity, QuantityInfo, Values};
 
@@ -68,7 +68,7 @@ impl MapStore {
     /// If the experiment has not two axes, or the tile has no points.
     pub fn create(path: &Path, experiment: &Experiment, tile: [usize; 2]) -> Result<Self, StoreError> {
         let [x, y] = axes(experiment);
-        let tile = [tile[0].min(y.count), tile[1].min(x.count)];
+        let tile = [tile[0].min(y.count()), tile[1].min(x.count())];
         assert!(tile[0] > 0 && tile[1] > 0, "a tile has points");
         if fs::symlink_metadata(path).is_ok() {
             return Err(StoreError::Exists { path: path.to_owned() });
@@ -82,7 +82,8 @@ impl MapStore {
 
         let mut arrays = Vec::new();
         for axis in [x, y] {
-            let array = coordinate(axis, &experiment.grid.fixed).build(storage.clone(), &node(axis.coordinate.name()));
+            let array =
+                coordinate(axis, &experiment.design.fixed).build(storage.clone(), &node(axis.coordinate.name()));
             let array = array.map_err(|error| failed(error.to_string()))?;
             array
                 .store_metadata_opt(&plain_metadata())
@@ -184,7 +185,11 @@ impl MapStore {
                 .and_then(|shape| <[usize; 2]>::try_from(shape).ok());
             let expected = *tile.get_or_insert(shape);
             let same_type = array.data_type() == &data_type(info.values);
-            if array.shape() != [y.count as u64, x.count as u64] || shape != expected || shape.is_none() || !same_type {
+            if array.shape() != [y.count() as u64, x.count() as u64]
+                || shape != expected
+                || shape.is_none()
+                || !same_type
+            {
                 return Err(damaged(format!(
                     "the array `{name}` has not the shape, tiles or type of the map's"
                 )));
@@ -222,12 +227,12 @@ impl MapStore {
     pub fn tiles(&self) -> impl Iterator<Item = Tile> + '_ {
         let [x, y] = axes(&self.experiment);
         let [rows, cols] = self.tile;
-        (0..y.count).step_by(rows).flat_map(move |row0| {
-            (0..x.count).step_by(cols).map(move |col0| Tile {
+        (0..y.count()).step_by(rows).flat_map(move |row0| {
+            (0..x.count()).step_by(cols).map(move |col0| Tile {
                 row0,
-                rows: rows.min(y.count - row0),
+                rows: rows.min(y.count() - row0),
                 col0,
-                cols: cols.min(x.count - col0),
+                cols: cols.min(x.count() - col0),
             })
         })
     }
@@ -250,7 +255,7 @@ impl MapStore {
             reason: error.to_string(),
         };
         let [x, _] = axes(&self.experiment);
-        let padded = |scale: &dyn Fn(usize) -> f64| self.padded(tile, tile.indices(x.count).map(scale), f64::NAN);
+        let padded = |scale: &dyn Fn(usize) -> f64| self.padded(tile, tile.indices(x.count()).map(scale), f64::NAN);
         let chunk = self.chunk(tile);
         self.scales.write(&self.experiment, &chunk, padded).map_err(failed)?;
         // The status goes last, since it is what tells a finished tile.
@@ -289,7 +294,7 @@ impl MapStore {
     /// [`StoreError::Damaged`] if values of a finished tile cannot be read.
     pub fn read_map(&self) -> Result<ParameterMap, StoreError> {
         let mut map = ParameterMap::new(self.experiment.clone());
-        let columns = map.x_axis().count;
+        let columns = map.x_axis().count();
         for tile in self.tiles() {
             // what is there but cannot be decoded is damage here, though a resumed run may compute it again
             self.read_tile(Quantity::Status.info(), &tile)?;
@@ -426,7 +431,7 @@ pub fn size_bytes(experiment: &Experiment, tile: [usize; 2]) -> u64 {
         .map(|info| if info.values == Values::Number { 8 } else { 1 })
         .sum::<u64>()
         + ScaleArrays::size(experiment);
-    padded(y.count, tile[0]) * padded(x.count, tile[1]) * point + 8 * (x.count + y.count) as u64
+    padded(y.count(), tile[0]) * padded(x.count(), tile[1]) * point + 8 * (x.count() + y.count()) as u64
 }
 
 /// Bytes that may still be written where `path` is, or would be created.
@@ -442,7 +447,7 @@ pub fn free_space(path: &Path) -> io::Result<u64> {
 }
 
 fn axes(experiment: &Experiment) -> [&Axis; 2] {
-    let [x, y] = &experiment.grid.axes[..] else {
+    let [x, y] = experiment.design.axes() else {
         panic!("a map has two axes")
     };
     [x, y]

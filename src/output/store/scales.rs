@@ -15,7 +15,7 @@ use crate::machine::Scale;
 pub struct ScaleArrays(Vec<Array<FilesystemStore>>);
 
 fn scales_of(experiment: &Experiment) -> &'static [Scale] {
-    if experiment.grid.fixed.machine().is_some() {
+    if experiment.design.fixed.machine().is_some() {
         &Scale::ALL
     } else {
         &[]
@@ -28,7 +28,7 @@ impl ScaleArrays {
         experiment: &Experiment,
         tile: [usize; 2],
     ) -> Result<Self, Box<dyn std::error::Error>> {
-        let (x, y) = (&experiment.grid.axes[0], &experiment.grid.axes[1]);
+        let (x, y) = (&experiment.design.axes()[0], &experiment.design.axes()[1]);
         let mut arrays = Vec::new();
         for &scale in scales_of(experiment) {
             let array = layout::scale(scale, x, y, tile).build(storage.clone(), &node(scale.name()))?;
@@ -55,7 +55,7 @@ impl ScaleArrays {
         padded: impl Fn(&dyn Fn(usize) -> f64) -> Vec<f64>,
     ) -> Result<(), ArrayError> {
         for (array, scale) in self.0.iter().zip(Scale::ALL) {
-            let machine = |index: usize| experiment.grid.machine(index);
+            let machine = |index: usize| experiment.design.machine(index);
             let values = padded(&|index| machine(index).map_or(f64::NAN, |machine| machine.scales().of(scale)));
             array.store_chunk(chunk, values)?;
         }

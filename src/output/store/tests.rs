@@ -72,7 +72,7 @@ fn scales_of_a_machine_are_stored_point_by_point() {
         assert_eq!(array.attributes()["units"], scale.unit());
         let values: Vec<f64> = array.retrieve_array_subset(&array.subset_all()).unwrap();
         for (index, value) in values.iter().enumerate() {
-            let machine = experiment.grid.machine(index).unwrap();
+            let machine = experiment.design.machine(index).unwrap();
             assert_eq!(*value, machine.scales().of(scale), "{scale:?} {index}");
         }
     }

@@ -6,7 +6,7 @@ use std::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{AxisError, GridError};
+use super::{AxisError, DesignError};
 use crate::machine::{self, SI_QUANTITIES, SiQuantity};
 use crate::parameters::{self, PARAMETERS, Parameter, ParameterError};
 
@@ -26,6 +26,13 @@ impl From<Parameter> for Coordinate {
 impl From<SiQuantity> for Coordinate {
     fn from(quantity: SiQuantity) -> Self {
         Self::Si(quantity)
+    }
+}
+
+impl TryFrom<&str> for Coordinate {
+    type Error = ParameterError;
+    fn try_from(name: &str) -> Result<Self, ParameterError> {
+        Self::from_name(name)
     }
 }
 
@@ -74,15 +81,15 @@ impl Coordinate {
     /// Checks that it can be set, or be an axis, where there is a machine or none.
     ///
     /// # Errors
-    /// [`GridError::Determined`] or [`GridError::NoMachine`].
-    pub fn check_free(self, has_machine: bool) -> Result<(), GridError> {
+    /// [`DesignError::Determined`] or [`DesignError::NoMachine`].
+    pub fn check_free(self, has_machine: bool) -> Result<(), DesignError> {
         match self {
             Self::Parameter(parameter) => match machine::governing(parameter) {
-                Some(governing) if has_machine => Err(GridError::Determined { parameter, governing }),
+                Some(governing) if has_machine => Err(DesignError::Determined { parameter, governing }),
                 _ => Ok(()),
             },
             Self::Si(_) if has_machine => Ok(()),
-            Self::Si(quantity) => Err(GridError::NoMachine { name: quantity.name() }),
+            Self::Si(quantity) => Err(DesignError::NoMachine { name: quantity.name() }),
         }
     }
 

@@ -1,27 +1,98 @@
-//! Axes and grids: point index to named values, of dimensionless parameters or of a machine's quantities, in f64.
+//! Designs: which points are computed. A product of axes or a list of points, over dimensionless parameters or a machine's quantities.
 //!
 //! Owns the order of points (the first axis varies fastest); knows nothing of how points are computed.
 
 mod axis;
 mod coordinate;
 mod fixed;
+mod points;
 
 use std::ops::Index;
 
 use rayon::prelude::*;
 
-pub use axis::{Axis, AxisError};
+pub use axis::{Axis, AxisError, Spacing};
 pub use coordinate::Coordinate;
 pub use fixed::Fixed;
+pub use points::{Points, PointsError};
 
 use crate::machine::{self, Machine, MachineError, SiQuantity};
 use crate::parameters::{PARAMETERS, Parameter, ParameterSet};
 
-/// Points of a scan: fixed values, and axes of which the first varies fastest. Without axes, one point.
+/// Which points are computed: what varies, and what all have in common.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Grid {
-    pub axes: Vec<Axis>,
+pub struct Design {
+    pub varied: Varied,
     pub fixed: Fixed,
+}
+
+/// What varies from point to point.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Varied {
+    /// Every combination of the values of the axes, the first axis fastest. Two axes make a map, one a line, none a point.
+    Axes(Vec<Axis>),
+    /// Points one by one.
+    Points(Points),
+}
+
+impl Varied {
+    /// The coordinates that vary.
+    pub fn coordinates(&self) -> Vec<Coordinate> {
+        match self {
+            Self::Axes(axes) => axes.iter().map(|axis| axis.coordinate).collect(),
+            Self::Points(points) => points.coordinates().to_vec(),
+        }
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Axes(axes) => axes.iter().map(Axis::count).product(),
+            Self::Points(points) => points.len(),
+        }
+    }
+
+    /// Whether there is no point.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The values of the coordinates at a point.
+    pub fn values(&self, index: usize) -> Vec<(Coordinate, f64)> {
+        match self {
+            Self::Axes(axes) => {
+                let mut index = index;
+                let at = axes.iter().map(|axis| {
+                    let value = axis.value(index % axis.count());
+                    index /= axis.count();
+                    (axis.coordinate, value)
+                });
+                at.collect()
+            }
+            Self::Points(points) => {
+                let row = points.row(index).iter().copied();
+                points.coordinates().iter().copied().zip(row).collect()
+            }
+        }
+    }
+
+    /// Least and greatest value of each coordinate.
+    fn ends(&self) -> Vec<(Coordinate, [f64; 2])> {
+        match self {
+            Self::Axes(axes) => axes.iter().map(|axis| (axis.coordinate, axis.ends())).collect(),
+            Self::Points(points) => (points.coordinates().iter().copied().zip(points.ends())).collect(),
+        }
+    }
+
+    /// The same with the quantities of a machine alone.
+    fn of_machine(&self) -> Self {
+        let is_si = |coordinate: &Coordinate| matches!(coordinate, Coordinate::Si(_));
+        match self {
+            Self::Axes(axes) => Self::Axes(axes.iter().filter(|axis| is_si(&axis.coordinate)).cloned().collect()),
+            Self::Points(points) if points.coordinates().iter().any(is_si) => self.clone(),
+            Self::Points(_) => Self::Axes(Vec::new()),
+        }
+    }
 }
 
 /// Least and greatest value of every parameter over a grid.
@@ -51,12 +122,29 @@ impl Extents {
     }
 }
 
-impl Grid {
-    /// Number of points.
-    pub fn len(&self) -> usize {
-        self.axes.iter().map(|axis| axis.count).product()
+impl Design {
+    /// The product of some axes.
+    pub fn product(axes: Vec<Axis>, fixed: Fixed) -> Self {
+        Self {
+            varied: Varied::Axes(axes),
+            fixed,
+        }
     }
 
+    /// The axes; none of a list of points.
+    pub fn axes(&self) -> &[Axis] {
+        match &self.varied {
+            Varied::Axes(axes) => axes,
+            Varied::Points(_) => &[],
+        }
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.varied.len()
+    }
+
+    /// Whether there is no point.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -72,26 +160,19 @@ impl Grid {
     }
 
     fn at(&self, index: usize) -> Fixed {
-        self.fixed.at(self.values(index))
+        self.fixed.at(self.varied.values(index))
     }
 
-    /// The values of the axes at a point.
-    fn values(&self, mut index: usize) -> impl Iterator<Item = (Coordinate, f64)> + '_ {
-        self.axes.iter().map(move |axis| {
-            let value = axis.value(index % axis.count);
-            index /= axis.count;
-            (axis.coordinate, value)
-        })
-    }
-
-    /// The machines at the corners of the grid, which has one.
-    pub fn corner_machines(&self) -> Vec<Machine> {
-        let ends: Vec<Axis> = self.axes.iter().map(|axis| Axis { count: 2, ..*axis }).collect();
-        let corners = Self {
-            axes: ends,
-            fixed: self.fixed,
-        };
-        (0..corners.len()).filter_map(|index| corners.machine(index)).collect()
+    /// The machines at the corners of a product of axes, or at all points of a list; none without a machine.
+    pub fn extreme_machines(&self) -> Vec<Machine> {
+        let machines = |design: &Self| (0..design.len()).filter_map(|index| design.machine(index)).collect();
+        match &self.varied {
+            Varied::Axes(axes) => {
+                let ends = axes.iter().map(Axis::between_ends).collect();
+                machines(&Self::product(ends, self.fixed))
+            }
+            Varied::Points(_) => machines(self),
+        }
     }
 
     /// The most points over quantities of a machine: each is checked beforehand.
@@ -101,22 +182,18 @@ impl Grid {
     /// each of its values counts.
     ///
     /// # Errors
-    /// [`GridError`] if the machine has no parameters, or ones out of range, somewhere on the grid.
-    pub fn extents(&self) -> Result<Extents, GridError> {
-        let (si, plain): (Vec<Axis>, Vec<Axis>) = self
-            .axes
-            .iter()
-            .partition(|axis| matches!(axis.coordinate, Coordinate::Si(_)));
+    /// [`DesignError`] if the machine has no parameters, or ones out of range, somewhere in the design.
+    pub fn extents(&self) -> Result<Extents, DesignError> {
         let machines = Self {
-            axes: si,
+            varied: self.varied.of_machine(),
             fixed: self.fixed,
         };
         if machines.len() > Self::MAX_MACHINES {
-            return Err(GridError::TooMany { count: machines.len() });
+            return Err(DesignError::TooMany { count: machines.len() });
         }
         let check = |index: usize| {
             let checked = machines.machine(index).map_or(Ok(()), |machine| machine.check_groups());
-            checked.map_err(|error| GridError::Machine {
+            checked.map_err(|error| DesignError::Machine {
                 place: machines.place(index),
                 error,
             })
@@ -126,18 +203,18 @@ impl Grid {
             return Err(error);
         }
         let all = indices().map(|index| Extents::of(&machines.point(index)));
-        let mut extents = all.reduce_with(Extents::joined).expect("a grid has points");
-        for axis in plain {
-            if let Coordinate::Parameter(parameter) = axis.coordinate {
-                extents.0[parameter as usize] = (axis.start.min(axis.stop), axis.start.max(axis.stop));
+        let mut extents = all.reduce_with(Extents::joined).expect("a design has points");
+        for (coordinate, [least, greatest]) in self.varied.ends() {
+            if let Coordinate::Parameter(parameter) = coordinate {
+                extents.0[parameter as usize] = (least, greatest);
             }
         }
         Ok(extents)
     }
 
-    /// The values of the axes at a point, in words.
+    /// What varies, at a point, in words.
     pub fn place(&self, index: usize) -> String {
-        let values = self.values(index).map(|(coordinate, value)| {
+        let values = self.varied.values(index).into_iter().map(|(coordinate, value)| {
             let value = machine::units::si(value, self.fixed.unit(coordinate));
             format!("{coordinate} = {value}")
         });
@@ -145,8 +222,9 @@ impl Grid {
     }
 }
 
+/// Why something is no design.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum GridError {
+pub enum DesignError {
     #[error(
         "{parameter} follows from the machine: set {governing} ({}) instead, or make that an axis",
         governing.info().meaning
@@ -159,7 +237,7 @@ pub enum GridError {
     NoMachine { name: &'static str },
     #[error("{}{error}", if place.is_empty() { String::new() } else { format!("at {place}: ") })]
     Machine { place: String, error: MachineError },
-    #[error("{count} points over quantities of a machine are too many (at most {max}): use fewer", max = Grid::MAX_MACHINES)]
+    #[error("{count} points over quantities of a machine are too many (at most {max}): use fewer", max = Design::MAX_MACHINES)]
     TooMany { count: usize },
 }
 
@@ -173,10 +251,7 @@ mod tests {
             Axis::parse("zeta_k=0:12:4").unwrap(),
             Axis::parse("h1=2:0.1:3").unwrap(),
         ];
-        let grid = Grid {
-            axes,
-            fixed: ParameterSet::default().into(),
-        };
+        let grid = Design::product(axes, ParameterSet::default().into());
         assert_eq!(grid.len(), 12);
         assert_eq!(
             (grid.point(3)[Parameter::ZetaK], grid.point(3)[Parameter::H1]),
@@ -188,13 +263,11 @@ mod tests {
         );
     }
 
-    fn with_machine(changes: &[(SiQuantity, f64)], axes: &[&str]) -> Grid {
+    fn with_machine(changes: &[(SiQuantity, f64)], axes: &[&str]) -> Design {
         let description = machine::Description::from_toml(machine::TEMPLATE).unwrap();
         let machine = description.complete(changes).unwrap();
-        Grid {
-            axes: axes.iter().map(|axis| Axis::parse(axis).unwrap()).collect(),
-            fixed: Fixed::new(ParameterSet::default(), Some(machine)),
-        }
+        let axes = axes.iter().map(|axis| Axis::parse(axis).unwrap()).collect();
+        Design::product(axes, Fixed::new(ParameterSet::default(), Some(machine)))
     }
 
     #[test]
@@ -259,7 +332,7 @@ mod tests {
             "{message}"
         );
         let grid = with_machine(&[], &["damping=0:100:1000000", "inertia=1e-3:2e-3:1000000"]);
-        assert!(matches!(grid.extents(), Err(GridError::TooMany { .. })));
+        assert!(matches!(grid.extents(), Err(DesignError::TooMany { .. })));
     }
 
     #[test]
