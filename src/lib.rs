@@ -2,6 +2,38 @@
 //! chaotic motion of a bush-shaft system with tribological processes", Mathematical Problems in Engineering 2006,
 //! article 86594.
 //!
+//! A map, in ten lines:
+//!
+//! ```no_run
+//! use tribochaos::{Axis, Experiment, ParameterMap, Quantity};
+//!
+//! let experiment = Experiment::builder()
+//!     .axis(Axis::even("zeta_k", 3.0, 5.0, 300)?)
+//!     .axis(Axis::even("h1", 0.0, 1.5, 200)?)
+//!     .set("omega_0", 2.0)?
+//!     .build()?;
+//! let map = ParameterMap::try_from(tribochaos::run(&experiment)?)?;
+//! tribochaos::draw(&map, Quantity::Lyapunov, "map.png")?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What a user calls
+//!
+//! | to | call |
+//! | --- | --- |
+//! | make an experiment | [`Experiment::builder`], with [`Axis`], [`Points`], [`Preset`] and machines ([`Description`]); [`Request::from_toml`] reads a file |
+//! | run it | [`run`] into memory; [`run_into`] into a [`MapStore`], or into a [`Sink`] of your own, with an observer that may stop it |
+//! | look at the results | [`Results`]: a column for each [`Quantity`], and the [`Class`] of a point; [`ParameterMap`]: the same over two axes, with [`map::border`] |
+//! | draw them | [`draw`]; with another style [`output::picture::draw`] |
+//! | store and open them | [`MapStore::create`], [`MapStore::open`] |
+//! | measure some points | [`measure::measure_batch`] on a [`backend`] |
+//! | follow a point over time | [`dynamics::history::history`] |
+//! | find onsets, sections, thresholds | [`analysis`] |
+//!
+//! The folder `examples/` has five short programs. Everything else is a part that these are made of.
+//!
+//! # Layers
+//!
 //! From the bottom to the top; nothing knows of what stands below it in this list:
 //!
 //! - [`parameters`], [`machine`], [`design`]: the dimensionless quantities of the system, a machine in SI units that gives
@@ -10,35 +42,19 @@
 //! - [`experiment`], [`dynamics`]: what is computed, and the algorithms over the physics;
 //! - [`backend`]: batches of instances on the CPU or a GPU;
 //! - [`measure`]: what is measured of a point, and when that is known;
-//! - [`map`]: measurements over two axes, and the border of chaos;
+//! - [`results`], [`map`]: columns over a design; those over two axes, and the border of chaos;
 //! - [`benchmark`]: points to time kernels on, and how exact they are;
-//! - [`sweep`]: from a grid to measurements, and the audit of maps;
+//! - [`engine`]: an experiment is cut into units, which are measured one by one and given to a sink; the audit;
 //! - [`analysis`]: orbits, bifurcation diagrams, sections, exponents over a line, thresholds, lifetimes of chaos;
 //! - [`output`]: stores, pictures and tables;
 //! - [`paper`]: the paper's figures and numbers, computed anew.
-//!
-//! One point, ten lines:
-//!
-//! ```
-//! use tribochaos::backend::cpu::CpuBackend;
-//! use tribochaos::experiment::{Precision, Settings};
-//! use tribochaos::measure::{Class, measure_batch};
-//! use tribochaos::parameters::{Parameter, ParameterSet};
-//!
-//! let point = ParameterSet::default().with(Parameter::ZetaK, 3.5).with(Parameter::H1, 0.5);
-//! let mut backend = CpuBackend::new(Precision::F64);
-//! let carry_on = &mut |_| std::ops::ControlFlow::Continue(());
-//! let measured = measure_batch(&mut backend, &Settings::default(), &[point], carry_on)?.unwrap();
-//! assert_eq!(measured[0].class, Some(Class::Regular));
-//! assert!((measured[0].lyapunov + 0.2318).abs() < 1e-3);
-//! # Ok::<(), tribochaos::backend::BackendError>(())
-//! ```
 
 pub mod analysis;
 pub mod backend;
 pub mod benchmark;
 pub mod design;
 pub mod dynamics;
+pub mod engine;
 pub mod experiment;
 pub mod lanes;
 pub mod machine;
@@ -48,4 +64,25 @@ pub mod model;
 pub mod output;
 pub mod paper;
 pub mod parameters;
-pub mod sweep;
+pub mod results;
+
+pub use self::design::{Axis, Points};
+pub use self::engine::{Sink, run, run_into};
+pub use self::experiment::{Experiment, Preset, Request, Settings};
+pub use self::machine::Description;
+pub use self::map::ParameterMap;
+pub use self::measure::{Class, Measurement, Quantity, Status};
+pub use self::output::store::MapStore;
+pub use self::results::Results;
+
+/// Draws a quantity of a map into a PNG file that carries the experiment.
+///
+/// # Errors
+/// If the picture cannot be drawn, or not be written.
+pub fn draw(
+    map: &ParameterMap,
+    quantity: Quantity,
+    path: impl AsRef<std::path::Path>,
+) -> Result<(), output::png::PngError> {
+    output::picture::draw(map, quantity, &output::picture::Style::default(), path.as_ref())
+}

@@ -1,155 +1,67 @@
-//! A parameter map: axes, one column of values for each quantity, and where they came from.
+//! A parameter map: results over two axes, and the border of chaos.
 //!
-//! Owns computed data in memory; neither computes nor draws nor stores them.
+//! Owns the border; neither computes nor draws nor stores results.
 
-use std::collections::BTreeMap;
+use std::ops::{Deref, DerefMut};
 
-use crate::backend::BackendKind;
 use crate::design::Axis;
 use crate::experiment::Experiment;
-use crate::machine::Beyond;
-use crate::measure::{Class, Measurement, QUANTITIES, Quantity};
+use crate::measure::Class;
 use crate::parameters::Parameter;
+use crate::results::Results;
 
-/// Values of every quantity at every point of a two-dimensional design; x varies fastest.
+/// Results over two axes, x varying fastest.
 #[derive(Clone, Debug)]
-pub struct ParameterMap {
-    pub experiment: Experiment,
-    columns: Vec<Vec<f64>>,
+pub struct ParameterMap(Results);
+
+impl Deref for ParameterMap {
+    type Target = Results;
+    fn deref(&self) -> &Results {
+        &self.0
+    }
+}
+
+impl DerefMut for ParameterMap {
+    fn deref_mut(&mut self) -> &mut Results {
+        &mut self.0
+    }
+}
+
+impl TryFrom<Results> for ParameterMap {
+    type Error = NoMap;
+    fn try_from(results: Results) -> Result<Self, NoMap> {
+        match results.experiment.design.axes().len() {
+            2 => Ok(Self(results)),
+            axes => Err(NoMap { axes }),
+        }
+    }
+}
+
+/// Results that are no map.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("a map has two axes, and the results have {axes}: draw them as a line, or compute them over two axes")]
+pub struct NoMap {
+    axes: usize,
 }
 
 impl ParameterMap {
-    /// A map in which nothing is computed yet.
+    /// A map of which nothing is computed yet.
     ///
-    /// # Panics
+    /// # Errors
     /// If the experiment has not two axes.
-    pub fn new(experiment: Experiment) -> Self {
-        assert_eq!(experiment.design.axes().len(), 2, "a map has two axes");
-        let columns = vec![vec![f64::NAN; experiment.design.len()]; Quantity::COUNT];
-        Self { experiment, columns }
+    pub fn new(experiment: Experiment) -> Result<Self, NoMap> {
+        Results::new(experiment).try_into()
     }
 
+    /// The horizontal axis.
     pub fn x_axis(&self) -> &Axis {
         &self.experiment.design.axes()[0]
     }
 
+    /// The vertical axis.
     pub fn y_axis(&self) -> &Axis {
         &self.experiment.design.axes()[1]
     }
-
-    /// Values of a quantity, x fastest; NaN where not computed or not applicable.
-    pub fn column(&self, quantity: Quantity) -> &[f64] {
-        &self.columns[quantity as usize]
-    }
-
-    /// Values of a quantity in SI units, by the machine of each point, and their unit; None without a machine, or for a pure
-    /// number.
-    pub fn si_column(&self, quantity: Quantity) -> Option<(Vec<f64>, &'static str)> {
-        let scale = quantity.scale();
-        let unit = match scale {
-            Some(scale) => scale.unit(),
-            None if quantity.is_rate() => "1/s",
-            None => return None,
-        };
-        let design = &self.experiment.design;
-        let values = self.column(quantity).iter().enumerate();
-        let values: Option<Vec<f64>> = values
-            .map(|(index, value)| {
-                let scales = design.machine(index)?.scales();
-                Some(value * scale.map_or(1.0 / scales.time, |scale| scales.of(scale)))
-            })
-            .collect();
-        Some((values?, unit))
-    }
-
-    /// Where the results are fiction, since the material of the machine would melt or yield, or the bush turn too far for the
-    /// model: by the limit's name at how many points, the index of the worst, and what happens there.
-    fn fiction(&self) -> BTreeMap<&'static str, (usize, usize, Beyond)> {
-        let design = &self.experiment.design;
-        let (pressures, temperatures) = (
-            self.column(Quantity::PeakPressure),
-            self.column(Quantity::PeakTemperature),
-        );
-        let (lowest, highest) = (self.column(Quantity::XMin), self.column(Quantity::XMax));
-        let mut kinds = BTreeMap::new();
-        for index in 0..design.len() {
-            let Some(machine) = design.machine(index) else { break };
-            let angle = lowest[index].abs().max(highest[index].abs());
-            for beyond in machine.beyond(pressures[index], temperatures[index], angle) {
-                let (count, worst, most) = kinds.entry(beyond.name()).or_insert((0, index, beyond));
-                *count += 1;
-                if beyond.factor() > most.factor() {
-                    (*worst, *most) = (index, beyond);
-                }
-            }
-        }
-        kinds
-    }
-
-    /// As shares of the points: by the limit's name, `melting` or `yield`.
-    pub fn fiction_shares(&self) -> Vec<(&'static str, f64)> {
-        let points = self.experiment.design.len() as f64;
-        let fiction = self.fiction();
-        fiction
-            .iter()
-            .map(|(name, (count, ..))| (*name, *count as f64 / points))
-            .collect()
-    }
-
-    /// Each kind of fiction as a sentence: at how many points, and the worst.
-    pub fn beyond_limits(&self) -> Vec<String> {
-        let design = &self.experiment.design;
-        let fiction = self.fiction();
-        let warnings = fiction.values().map(|(count, index, beyond)| {
-            let share = 100.0 * *count as f64 / design.len() as f64;
-            format!(
-                "fiction at {count} points ({share:.1} %): at {}, the worst, {beyond}",
-                design.place(*index)
-            )
-        });
-        warnings.collect()
-    }
-
-    pub fn column_mut(&mut self, quantity: Quantity) -> &mut [f64] {
-        &mut self.columns[quantity as usize]
-    }
-
-    pub fn set(&mut self, index: usize, measurement: &Measurement) {
-        for (info, column) in QUANTITIES.iter().zip(&mut self.columns) {
-            column[index] = info.quantity.of(measurement);
-        }
-    }
-
-    pub fn is_computed(&self, index: usize) -> bool {
-        !self.column(Quantity::Status)[index].is_nan()
-    }
-
-    /// The class of a point; None where it is not computed, ran away, is under-resolved, or wears.
-    pub fn class(&self, index: usize) -> Option<Class> {
-        Class::ALL.get(code(self.column(Quantity::Class)[index])?).copied()
-    }
-
-    /// Whether any point was integrated on a GPU.
-    pub fn has_gpu_points(&self) -> bool {
-        self.column(Quantity::Backend)
-            .contains(&f64::from(BackendKind::GpuF32 as u8))
-    }
-
-    pub fn is_ok(&self, index: usize) -> bool {
-        self.column(Quantity::Status)[index] == 0.0
-    }
-
-    pub fn is_runaway(&self, index: usize) -> bool {
-        self.column(Quantity::Status)[index] == 1.0
-    }
-
-    pub fn is_under_resolved(&self, index: usize) -> bool {
-        self.column(Quantity::Status)[index] == 2.0
-    }
-}
-
-fn code(value: f64) -> Option<usize> {
-    (!value.is_nan()).then_some(value as usize)
 }
 
 /// A change between chaos and motion that is regular or quasi-periodic, from a point of a row or a column to the next that is
@@ -345,7 +257,9 @@ fn fill_small(motions: &mut [Motion], region: Motion, columns: usize, least: usi
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::backend::BackendKind;
     use crate::experiment::Request;
+    use crate::measure::{Measurement, Quantity};
 
     const C: Option<Class> = Some(Class::Chaotic);
     const R: Option<Class> = Some(Class::Regular);
@@ -357,7 +271,7 @@ mod tests {
             axes: Some(vec![Axis::parse(x).unwrap(), Axis::parse(y).unwrap()]),
             ..Request::default()
         };
-        let mut map = ParameterMap::new(request.resolve().unwrap());
+        let mut map = ParameterMap::new(request.resolve().unwrap()).unwrap();
         for (index, class) in classes.iter().enumerate() {
             let measurement = Measurement {
                 class: *class,

@@ -146,7 +146,8 @@ fn a_point_tells_its_results_in_si_units_and_what_cannot_be() {
     // the shaft holds; that the wells of this machine lie at 1 rad shows
     let stderr = text(&printed.stderr);
     assert!(
-        stderr.matches("fiction").count() == 1 && stderr.contains("fiction: the bush would turn by 2.5"),
+        stderr.matches("beyond the model's limits").count() == 1
+            && stderr.contains("beyond the model's limits: the bush would turn by 2.5"),
         "{stderr}"
     );
 
@@ -154,7 +155,7 @@ fn a_point_tells_its_results_in_si_units_and_what_cannot_be() {
     let tight = [&["point", "--json", "--set", "shaft_speed_amplitude=450"], &at_rest[..]].concat();
     let output = tribochaos(folder.path(), &tight);
     assert!(
-        text(&output.stderr).contains("fiction: the contact pressure would be"),
+        text(&output.stderr).contains("beyond the model's limits: the contact pressure would be"),
         "{}",
         text(&output.stderr)
     );
@@ -190,7 +191,11 @@ fn a_map_over_quantities_is_stored_with_its_machine_and_drawn_in_si() {
         "{}",
         text(&output.stdout)
     );
-    assert!(text(&output.stderr).contains("fiction at "), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("beyond the model's limits at "),
+        "{}",
+        text(&output.stderr)
+    );
     assert!(
         !path("outputs/map-border.csv").exists(),
         "where all wears there is no chaos"

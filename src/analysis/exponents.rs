@@ -1,13 +1,13 @@
 //! Lyapunov exponents over one parameter.
 //!
-//! Owns the line of points and its initial states; what is measured of a point is [`crate::sweep`]'s.
+//! Owns the line of points and its initial states; what is measured of a point is [`crate::engine`]'s.
 
 use crate::backend::BackendError;
 use crate::design::{Axis, Design, Fixed};
+use crate::engine::{Backends, Observer};
 use crate::experiment::Settings;
 use crate::measure::Measurement;
 use crate::parameters::{Parameter, ParameterSet};
-use crate::sweep::{Backends, Observer};
 
 /// Measurements over an axis from one initial state.
 #[derive(Clone, Debug)]

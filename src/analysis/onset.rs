@@ -1,6 +1,6 @@
 //! Where chaos begins over one parameter, and where it ends.
 //!
-//! Owns their definition and the scan for them; measures through [`crate::sweep`].
+//! Owns their definition and the scan for them; measures through [`crate::engine`].
 //!
 //! A fine grid over the whole range of an axis is scanned, whatever values the axis itself has, for the first value at which
 //! the exponent of some initial state stands above a bound while its motion is classed neither as regular nor as
@@ -10,10 +10,10 @@
 
 use crate::backend::BackendError;
 use crate::design::{Axis, Coordinate, Design, Fixed};
+use crate::engine::{Backends, Observer};
 use crate::experiment::{Scheme, Settings};
 use crate::measure::{Class, Measurement, Status};
 use crate::parameters::Parameter;
-use crate::sweep::{Backends, Observer};
 
 /// The most values of the fine grid: more take hours.
 pub const MOST_VALUES: usize = 100_000;
@@ -283,9 +283,9 @@ mod tests {
 
     use super::*;
     use crate::backend::cpu::CpuBackend;
+    use crate::engine::initial_states::offsets;
     use crate::experiment::Precision;
     use crate::parameters::ParameterSet;
-    use crate::sweep::initial_states::offsets;
 
     fn axis(text: &str) -> Axis {
         Axis::parse(text).unwrap()
@@ -357,7 +357,7 @@ mod tests {
         let (definition, at, mut backends) = parts();
         let starts = [[0.1, 0.0], [1.0, 0.0]];
         let mut first = |axis, spacing, way| {
-            let carry_on = &mut |_: crate::sweep::Event<'_>| ControlFlow::Continue(());
+            let carry_on = &mut |_: crate::engine::Event<'_>| ControlFlow::Continue(());
             let scan = scan(&definition, &at, axis, spacing, &starts);
             scan.first(way, &mut backends, carry_on).unwrap().unwrap()
         };
@@ -381,7 +381,7 @@ mod tests {
             ..Settings::default()
         });
         let scan = scan(&definition, &at, "h1=-0.015:-0.01:2", 0.015, &starts);
-        let carry_on = &mut |_: crate::sweep::Event<'_>| ControlFlow::Continue(());
+        let carry_on = &mut |_: crate::engine::Event<'_>| ControlFlow::Continue(());
         let points: Vec<Point> = (0..starts.len()).map(|start| Point { value: 0, start }).collect();
         let brief = scan.measure(&points, &definition.settings, &mut backends, carry_on);
         assert!(brief.unwrap().unwrap().iter().any(|m| definition.is_chaos(m)));
@@ -393,7 +393,7 @@ mod tests {
     fn a_scan_is_broken_off() {
         let (definition, at, mut backends) = parts();
         let scan = scan(&definition, &at, "zeta_k=3:5:2", 0.5, &[[0.1, 0.0]]);
-        let stop = &mut |_: crate::sweep::Event<'_>| ControlFlow::Break(());
+        let stop = &mut |_: crate::engine::Event<'_>| ControlFlow::Break(());
         assert!(scan.first(Way::Down, &mut backends, stop).unwrap().is_none());
     }
 }

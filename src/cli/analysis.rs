@@ -8,12 +8,12 @@ use anyhow::{anyhow, bail};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use tribochaos::design::{Axis, Coordinate, Fixed, Varied};
+use tribochaos::engine::choice::{self, Choice};
+use tribochaos::engine::initial_states;
 use tribochaos::experiment::{BackendChoice, Experiment, Preset, Request};
 use tribochaos::output::figure::Figure;
 use tribochaos::output::{PROGRAM, charts, drawing, table};
 use tribochaos::parameters::{PARAMETERS, Parameter, ParameterSet};
-use tribochaos::sweep::choice::{self, Choice};
-use tribochaos::sweep::initial_states;
 
 use super::request::ExperimentArgs;
 use super::{Failure, outputs};

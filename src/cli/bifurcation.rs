@@ -6,12 +6,12 @@ use clap::Args;
 use serde_json::json;
 use tribochaos::analysis::bifurcation::{Columns, diagram};
 use tribochaos::design::Axis;
+use tribochaos::engine::Event;
 use tribochaos::experiment::Request;
 use tribochaos::output::charts::{self, Component};
 use tribochaos::output::sheet::{SINGLE, Sheet};
 use tribochaos::output::{PROGRAM, caption};
 use tribochaos::parameters::Parameter;
-use tribochaos::sweep::Event;
 
 use super::analysis::{self, Files, OutArgs, StartArgs};
 use super::progress::{self, Progress};

@@ -6,11 +6,11 @@ use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
 use tribochaos::backend::gpu::{GpuBackend, GpuContext, adapters};
 use tribochaos::backend::{Backend, twins};
 use tribochaos::design::Axis;
+use tribochaos::engine::choice;
+use tribochaos::engine::{Backends, audit};
 use tribochaos::experiment::{Precision, Request};
 use tribochaos::map::ParameterMap;
 use tribochaos::output::PROGRAM;
-use tribochaos::sweep::choice;
-use tribochaos::sweep::{Backends, audit};
 
 use super::{Failure, progress, report};
 
@@ -76,10 +76,10 @@ fn check(adapter: Option<&str>) -> Result<(), Failure> {
     request.settings.transient_periods = 150;
     request.settings.periods = 150;
     let experiment = request.resolve().expect("the experiment is valid");
-    let mut map = ParameterMap::new(experiment);
+    let mut map = ParameterMap::new(experiment).expect("it has two axes");
     let indices: Vec<usize> = (0..map.experiment.design.len()).collect();
     progress::catch_interrupt();
-    let observer = &mut |_: tribochaos::sweep::Event<'_>| progress::until_interrupted();
+    let observer = &mut |_: tribochaos::engine::Event<'_>| progress::until_interrupted();
     let interrupted = || Failure::Interrupted("the check is not finished".into());
     let measurements = Backends::new(Box::new(gpu), None)
         .measure(&map.experiment.design, &map.experiment.settings, &indices, observer)

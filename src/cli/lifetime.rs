@@ -5,12 +5,12 @@ use serde_json::{Value, json};
 use tribochaos::analysis::lifetime::{Decay, LEAST_LEFT, Survival, exponent};
 use tribochaos::analysis::settling::{self, End, NEAR};
 use tribochaos::design::Coordinate;
+use tribochaos::engine::{Backends, Event, initial_states};
 use tribochaos::experiment::{Experiment, InitialBox, Settings};
 use tribochaos::machine::Scale;
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts, survival};
 use tribochaos::parameters::Parameter;
-use tribochaos::sweep::{Backends, Event, initial_states};
 
 use super::analysis::{self, Files, OutArgs};
 use super::progress::Progress;

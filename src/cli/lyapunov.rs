@@ -6,12 +6,12 @@ use clap::Args;
 use serde_json::{Value, json};
 use tribochaos::analysis::exponents::{Line, lines};
 use tribochaos::design::Axis;
+use tribochaos::engine;
 use tribochaos::experiment::{Experiment, Request, Settings};
 use tribochaos::measure::{Measurement, Status};
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts};
 use tribochaos::parameters::Parameter;
-use tribochaos::sweep;
 
 use super::analysis::{self, Files, OutArgs, StartArgs};
 use super::onset::{Outcome, Search};
@@ -105,7 +105,7 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
     progress::catch_interrupt();
     let started = Instant::now();
     let at = &experiment.design.fixed;
-    let bar = Progress::new(sweep::instance_periods(&settings, exponents), exponents);
+    let bar = Progress::new(engine::instance_periods(&settings, exponents), exponents);
     let interrupted = || Failure::Interrupted("nothing is drawn".into());
     let backends = &mut choice.backends;
     let lines = lines(backends, &settings, at, &axis, &starts, &mut |event| bar.hear(event))

@@ -6,18 +6,18 @@ use std::time::{Duration, Instant};
 use anyhow::anyhow;
 use clap::Args;
 use tribochaos::design::{Axis, Coordinate};
+use tribochaos::engine::audit::{self, Audit};
+use tribochaos::engine::choice::{self, Choice};
+use tribochaos::engine::{self, Cause, EngineError, Work, estimate};
 use tribochaos::experiment::{Experiment, Request};
 use tribochaos::output::picture::Style;
 use tribochaos::output::store::MapStore;
 use tribochaos::output::{drawing, png};
-use tribochaos::sweep::audit::{self, Audit};
-use tribochaos::sweep::choice::{self, Choice};
-use tribochaos::sweep::{self, estimate};
 
 use super::outputs::Outputs;
 use super::overlay::{self, Theory};
 use super::progress::{self, Progress};
-use super::report::{self, Work};
+use super::report;
 use super::request::{self, ExperimentArgs};
 use super::{Failure, outputs};
 
@@ -138,19 +138,19 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
         outputs.check(&experiment, args.force).map_err(Failure::Input)?;
         return dry_run(&experiment, choice, &outputs);
     }
-    let tile = sweep::tile_shape(&experiment, choice.backends.points_per_tile(&experiment));
-    let mut store = outputs.open(&experiment, tile, args.force).map_err(Failure::Input)?;
+    let unit = choice.backends.points_per_unit(&experiment);
+    let mut store = outputs.open(&experiment, unit, args.force).map_err(Failure::Input)?;
     say!("{}\n{}", report::plan(&experiment), report::device(&choice));
 
     progress::catch_interrupt();
     let started = Instant::now();
-    let (work, devices) = compute(&experiment, choice, &mut store)?;
+    let work = compute(&experiment, choice, &mut store)?;
     let elapsed = started.elapsed();
 
     let map = store.read_map().map_err(Failure::run)?;
     let audit = audit_map(&map, &experiment, &mut store)?;
     let files = outputs.draw(&map, &style).map_err(Failure::Run)?;
-    say_on!("{}", report::summary(&map, &work, elapsed, &devices));
+    say_on!("{}", report::summary(&map, &work, elapsed, &store.devices()));
     for warning in map.beyond_limits() {
         eprintln!("warning: {warning}");
     }
@@ -163,57 +163,30 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Computes what the store lacks, tile by tile; returns how much that was, and on what.
-fn compute(experiment: &Experiment, choice: Choice, store: &mut MapStore) -> Result<(Work, Vec<String>), Failure> {
+/// Computes what the store lacks; returns how much that was.
+fn compute(experiment: &Experiment, choice: Choice, store: &mut MapStore) -> Result<Work, Failure> {
     let mut backends = choice.backends;
-    let columns = experiment.design.axes()[0].count();
-    let settings = &experiment.settings;
-    let progress = Progress::new(
-        sweep::instance_periods(settings, experiment.design.len()),
-        experiment.design.len(),
-    );
-    let stored = store.attribute("devices").cloned().unwrap_or_default();
-    let mut devices: Vec<String> = serde_json::from_value(stored).unwrap_or_default();
-    let mut work = Work::default();
-    let tiles: Vec<_> = store.tiles().collect();
-    for (done, tile) in tiles.iter().copied().enumerate() {
-        if store.is_finished(&tile).map_err(Failure::run)? {
-            progress.skip(sweep::instance_periods(settings, tile.len()));
-            continue;
-        }
+    let points = experiment.design.len();
+    let progress = Progress::new(engine::instance_periods(&experiment.settings, points), points);
+    let path = store.path().to_owned();
+    let finished = engine::run_on(&mut backends, experiment, store, &mut |event| progress.hear(event));
+    finished.map_err(|EngineError { cause, finished, units }| {
         let kept = |reason: &str| {
             format!(
-                "{reason}; {done} of {} tiles are finished and kept in {path}: the same command goes on from there, \
+                "{reason}; {finished} of {units} tiles are finished and kept in {path}: the same command goes on from there, \
                  `tribochaos render {path}` draws them",
-                tiles.len(),
-                path = store.path().display()
+                path = path.display()
             )
         };
-        let indices: Vec<usize> = tile.indices(columns).collect();
-        let measurements = backends
-            .measure(&experiment.design, settings, &indices, &mut |event| {
-                progress.hear(event)
-            })
-            .map_err(|error| match Failure::backend(error) {
+        match cause {
+            Cause::Stopped => Failure::Interrupted(kept("stopped by Ctrl-C")),
+            Cause::Sink(error) => Failure::Run(anyhow!(error)),
+            Cause::Backend(error) => match Failure::backend(error) {
                 Failure::Run(error) => Failure::Run(anyhow!(kept(&super::told(&error)))),
                 other => other,
-            })?
-            .ok_or_else(|| Failure::Interrupted(kept("stopped by Ctrl-C")))?;
-        store.write_tile(&tile, &measurements).map_err(Failure::run)?;
-        work.points += tile.len();
-        work.instance_periods += measurements
-            .iter()
-            .map(|m| u64::from(m.integrated_periods))
-            .sum::<u64>();
-        let device = backends.active().device();
-        if !devices.contains(&device) {
-            devices.push(device);
-            store
-                .set_attribute("devices", devices.clone().into())
-                .map_err(Failure::run)?;
+            },
         }
-    }
-    Ok((work, devices))
+    })
 }
 
 /// Audits the map as the settings ask, and stores what came out.

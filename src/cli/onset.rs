@@ -5,10 +5,10 @@
 use serde_json::{Value, json};
 use tribochaos::analysis::onset::{self, CONFIRMING_PERIODS, Definition, Found, MOST_VALUES, Scan, Scanned, Way};
 use tribochaos::design::{Axis, Design};
+use tribochaos::engine::{self, Backends};
 use tribochaos::experiment::{Experiment, Settings};
 use tribochaos::machine::units::si;
 use tribochaos::output::{caption, charts};
-use tribochaos::sweep::{self, Backends};
 
 use super::Failure;
 use super::progress::Progress;
@@ -100,9 +100,9 @@ impl Search {
         };
         // what lies between onset and end is left out, and chaos confirmed besides
         let points = self.fine.count() * starts.len();
-        let bar = Progress::new(sweep::instance_periods(&self.definition.settings, points), points);
+        let bar = Progress::new(engine::instance_periods(&self.definition.settings, points), points);
         let mut first = |way| {
-            let observer = &mut |event: sweep::Event<'_>| bar.hear(event);
+            let observer = &mut |event: engine::Event<'_>| bar.hear(event);
             scan.first(way, backends, observer).map_err(Failure::backend)
         };
         let Some(up) = first(Way::Up)? else { return Ok(None) };

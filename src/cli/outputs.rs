@@ -67,16 +67,18 @@ impl Outputs {
         map::has_border(experiment).then(|| self.path("-border.csv"))
     }
 
-    /// Opens the store before a run: that of the same experiment, to go on with it, or a new one.
+    /// Opens the store before a run: that of the same experiment, to go on with it, or a new one whose tiles have about `unit` points.
     ///
     /// # Errors
     /// If the pictures would be too large, the results of another experiment are in the way and `force` is not given,
     /// the place cannot be written, or the disk is too small.
-    pub fn open(&self, experiment: &Experiment, tile: [usize; 2], force: bool) -> anyhow::Result<MapStore> {
+    pub fn open(&self, experiment: &Experiment, unit: usize, force: bool) -> anyhow::Result<MapStore> {
         if let Some(store) = self.check(experiment, force)? {
             return Ok(store);
         }
         let path = self.store();
+        let axes = experiment.design.axes();
+        let tile = store::shape([axes[0].count(), axes[1].count()], unit);
         let size = store::size_bytes(experiment, tile);
         let free = store::free_space(&path).with_context(|| format!("cannot write {}", path.display()))?;
         if size > free {
@@ -208,9 +210,7 @@ impl Outputs {
 
     pub fn draw_quantity(&self, map: &ParameterMap, quantity: Quantity, style: &Style) -> anyhow::Result<PathBuf> {
         let path = self.picture(quantity);
-        let figure = picture::quantity_picture(map, quantity, style)?;
-        let title = format!("{} of the bush-shaft system", picture::label(map, quantity));
-        png::write_png(&path, &figure, &map.experiment.to_toml(), &[("Title", &title)])?;
+        picture::draw(map, quantity, style, &path)?;
         Ok(path)
     }
 }

@@ -6,11 +6,11 @@ use clap::Args;
 use serde_json::json;
 use tribochaos::analysis::section::{self, ORBITS};
 use tribochaos::design::Coordinate;
+use tribochaos::engine::Event;
 use tribochaos::experiment::Request;
 use tribochaos::output::panel::Layer;
 use tribochaos::output::sheet::{SINGLE, Sheet};
 use tribochaos::output::{PROGRAM, caption, charts};
-use tribochaos::sweep::Event;
 
 use super::analysis::{self, Files, OutArgs};
 use super::progress::{self, Progress};

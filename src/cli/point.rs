@@ -4,10 +4,10 @@ use clap::Args;
 use serde_json::{Map, Value, json};
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::dynamics::spectrum::{Spectrum, lyapunov_spectrum};
+use tribochaos::engine::{Backends, choice};
 use tribochaos::experiment::{BackendChoice, Experiment, Precision, Request, Scheme, Settings};
 use tribochaos::measure::{Measurement, Status, is_scheme_to_blame};
 use tribochaos::parameters::Parameter;
-use tribochaos::sweep::{Backends, choice};
 
 use super::analysis::OutArgs;
 use super::lifetime::LifetimeArgs;

@@ -1,16 +1,16 @@
 //! The progress bar, and Ctrl-C.
 //!
-//! Owns what is shown while a sweep runs; the sweep knows nothing of it.
+//! Owns what is shown while a run goes on; the run knows nothing of it.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
-use tribochaos::sweep::Event;
+use tribochaos::engine::Event;
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// From now on Ctrl-C asks a running sweep to stop; a second one ends the program at once.
+/// From now on Ctrl-C asks a run to stop; a second one ends the program at once.
 pub fn catch_interrupt() {
     let handler = || {
         if INTERRUPTED.swap(true, Ordering::SeqCst) {
@@ -50,16 +50,15 @@ impl Progress {
         Self { bar }
     }
 
-    /// Work that is already done counts as progress, not as speed.
-    pub fn skip(&self, instance_periods: u64) {
-        self.bar.inc(instance_periods);
-        self.bar.reset_eta();
-    }
-
-    /// Hears a sweep's events; breaks it off after Ctrl-C.
+    /// Hears the events of a run; breaks it off after Ctrl-C.
     pub fn hear(&self, event: Event<'_>) -> ControlFlow<()> {
         match event {
             Event::Advanced(instance_periods) => self.bar.inc(instance_periods),
+            Event::Found(instance_periods) => {
+                // what is there already counts as progress, not as speed
+                self.bar.inc(instance_periods);
+                self.bar.reset_eta();
+            }
             Event::FellBack { error, device } => {
                 self.bar
                     .suspend(|| eprintln!("warning: {error}\nwarning: going on with {device}"));

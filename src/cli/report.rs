@@ -4,13 +4,13 @@ use std::fmt::Write as _;
 use std::time::Duration;
 
 use tribochaos::design::{Coordinate, Spacing};
+use tribochaos::engine::audit::Audit;
+use tribochaos::engine::choice::Choice;
+use tribochaos::engine::{self, Work};
 use tribochaos::experiment::{Experiment, Scheme, Settings};
 use tribochaos::machine::units::si;
 use tribochaos::map::{self, ParameterMap};
 use tribochaos::measure::{Class, Quantity, is_scheme_to_blame};
-use tribochaos::sweep;
-use tribochaos::sweep::audit::Audit;
-use tribochaos::sweep::choice::Choice;
 
 /// What an experiment computes.
 pub fn plan(experiment: &Experiment) -> String {
@@ -98,13 +98,6 @@ pub fn duration(duration: Duration) -> String {
     }
 }
 
-/// What was computed of a map.
-#[derive(Default)]
-pub struct Work {
-    pub points: usize,
-    pub instance_periods: u64,
-}
-
 /// What a map came out as; `work` was done in `elapsed` on `devices`.
 pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[String]) -> String {
     let mut text = String::new();
@@ -125,7 +118,7 @@ pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[St
             work.points
         );
         if map.experiment.decides_early() {
-            let full = sweep::instance_periods(settings, work.points) as f64;
+            let full = engine::instance_periods(settings, work.points) as f64;
             let _ = writeln!(
                 text,
                 "        decided early: {:.1} % of the instance-periods that runs at full length take",

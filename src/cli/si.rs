@@ -87,7 +87,10 @@ pub fn beyond(at: &Fixed, contact: &Contact, angle: f64) -> Vec<String> {
         return Vec::new();
     };
     let beyond = machine.beyond(contact.peak_pressure, contact.peak_temperature, angle);
-    beyond.iter().map(|beyond| format!("fiction: {beyond}")).collect()
+    beyond
+        .iter()
+        .map(|beyond| format!("beyond the model's limits: {beyond}"))
+        .collect()
 }
 
 /// The frequency of a motion with a period in forcing periods, to stand behind it: ` (9.39 Hz)`; nothing without a machine.

@@ -2,11 +2,13 @@
 //!
 //! Owns the numerical settings with their defaults and limits; opens no file and computes nothing.
 
+mod builder;
 mod preset;
 mod request;
 mod settings;
 mod warnings;
 
+pub use builder::Builder;
 pub use preset::Preset;
 pub use request::Request;
 pub use settings::{BackendChoice, InitialBox, MAX_MODES, Precision, Scheme, Settings};

@@ -173,7 +173,7 @@ impl std::fmt::Display for Beyond {
 
 impl Machine {
     /// The limits that dimensionless peaks of the pressure p and of the surface temperature theta(1, tau), and the greatest
-    /// magnitude of the angle x, pass: there the results are fiction. What is no number passes none.
+    /// magnitude of the angle x, pass: there the model does not hold. What is no number passes none.
     pub fn beyond(&self, peak_pressure: f64, peak_temperature: f64, angle: f64) -> Vec<Beyond> {
         let scales = self.scales();
         let Limits {

@@ -15,7 +15,7 @@ use crate::parameters::{PARAMETERS, Parameter};
 
 /// The paragraphs of the caption.
 pub fn of(map: &ParameterMap) -> Vec<String> {
-    let paragraphs = [Some(fixed_parameters(map)), fiction(map), Some(numerics(map))];
+    let paragraphs = [Some(fixed_parameters(map)), beyond_limits(map), Some(numerics(map))];
     paragraphs.into_iter().flatten().collect()
 }
 
@@ -32,8 +32,8 @@ pub fn border(map: &ParameterMap) -> String {
 }
 
 /// Where no machine could do what is shown.
-fn fiction(map: &ParameterMap) -> Option<String> {
-    let shares = map.fiction_shares();
+fn beyond_limits(map: &ParameterMap) -> Option<String> {
+    let shares = map.shares_beyond_limits();
     let parts: Vec<String> = shares
         .iter()
         .enumerate()
@@ -49,7 +49,7 @@ fn fiction(map: &ParameterMap) -> Option<String> {
             format!("{how} at {}\u{a0}%{of_points}", number(percent))
         })
         .collect();
-    (!parts.is_empty()).then(|| format!("Fiction: {}.", parts.join(", ")))
+    (!parts.is_empty()).then(|| format!("Beyond the model's limits: {}.", parts.join(", ")))
 }
 
 /// The words of an axis, and what its values are multiplied with to be in the unit that the words tell.

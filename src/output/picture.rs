@@ -2,12 +2,15 @@
 //!
 //! Owns the choice of colours, limits and legend for each quantity; the plot places and draws them.
 
+use std::path::Path;
+
 use super::caption;
 use super::colour::{self, ColourScale, Rgb};
 use super::colour_bar::Bar;
 use super::figure::{Figure, FigureError};
 pub use super::plot::Overlay;
 use super::plot::{self, Cell, Kind, Plot};
+use super::png::{self, PngError};
 use super::ticks::{round_step, round_up};
 use crate::experiment::Experiment;
 use crate::machine::units::Unit;
@@ -56,6 +59,16 @@ pub fn check_size(experiment: &Experiment, style: &Style) -> Result<(), FigureEr
     plot::cell_size(x.count(), y.count(), style.size).map(|_| ())
 }
 
+/// Draws a quantity of a map into a PNG file that carries the experiment.
+///
+/// # Errors
+/// [`PngError`]: if the picture cannot be drawn, or not be written.
+pub fn draw(map: &ParameterMap, quantity: Quantity, style: &Style, path: &Path) -> Result<(), PngError> {
+    let figure = quantity_picture(map, quantity, style)?;
+    let title = format!("{} of the bush-shaft system", label(map, quantity));
+    png::write_png(path, &figure, &map.experiment.to_toml(), &[("Title", &title)])
+}
+
 /// The map of any quantity; the exponent's and the period's are [`lyapunov_picture`] and [`period_picture`].
 ///
 /// # Errors
@@ -99,7 +112,7 @@ pub fn lyapunov_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Fig
     });
     let bar = bar(Quantity::Lyapunov, &shown, &cells, style)?;
     let border = if style.border { drawn_border(map) } else { Vec::new() };
-    draw(
+    figure(
         map,
         style,
         Plot {
@@ -144,7 +157,7 @@ pub fn period_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Figur
         })
     });
     let heading = "Period of the motion, in forcing periods:".to_owned();
-    draw(
+    figure(
         map,
         style,
         Plot {
@@ -175,7 +188,7 @@ fn attractors_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Figur
         }
     };
     let cells = cells(map, |index| Cell::Kind(kind(index)));
-    draw(
+    figure(
         map,
         style,
         Plot {
@@ -232,7 +245,7 @@ fn number_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -> Resu
         _ => Cell::Kind(0),
     });
     let bar = bar(quantity, &shown, &cells, style)?;
-    draw(
+    figure(
         map,
         style,
         Plot {
@@ -270,7 +283,7 @@ fn code_picture(map: &ParameterMap, quantity: Quantity, names: &[&str], style: &
         })
     });
     let heading = heading(quantity);
-    draw(
+    figure(
         map,
         style,
         Plot {
@@ -447,7 +460,7 @@ fn quantile(sorted: &[f64], fraction: f64) -> f64 {
     sorted[((sorted.len() - 1) as f64 * fraction).round() as usize]
 }
 
-fn draw(map: &ParameterMap, style: &Style, mut plot: Plot) -> Result<Figure, FigureError> {
+fn figure(map: &ParameterMap, style: &Style, mut plot: Plot) -> Result<Figure, FigureError> {
     plot.overlay = style.overlay.clone();
     let mut caption = caption::of(map);
     if !plot.border.is_empty() {

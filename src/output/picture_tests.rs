@@ -194,7 +194,7 @@ fn maps_that_are_too_large_are_refused() {
 #[test]
 fn a_machine_s_map_has_axes_and_values_in_si_units() {
     let experiment = machine_experiment("shaft_speed_amplitude=50:300:6", "interference=1e-9:5e-9:5");
-    let mut map = ParameterMap::new(experiment);
+    let mut map = ParameterMap::new(experiment).unwrap();
     for index in 0..30 {
         let mut measurement = samples::measurement(-1.0);
         measurement.contact.peak_pressure = 50.0;
@@ -238,9 +238,9 @@ fn a_machine_s_map_has_axes_and_values_in_si_units() {
 }
 
 #[test]
-fn fiction_is_counted_with_its_worst_point() {
+fn points_beyond_the_limits_are_counted_with_its_worst_point() {
     let experiment = machine_experiment("shaft_speed_amplitude=50:300:6", "interference=1e-9:5e-9:5");
-    let mut map = ParameterMap::new(experiment);
+    let mut map = ParameterMap::new(experiment).unwrap();
     for index in 0..30 {
         let mut measurement = samples::measurement(-1.0);
         measurement.contact.peak_pressure = 200.0;
@@ -250,12 +250,16 @@ fn fiction_is_counted_with_its_worst_point() {
     let warnings = map.beyond_limits();
     assert_eq!(warnings.len(), 2);
     assert!(
-        warnings[0]
-            .starts_with("fiction at 1 points (3.3 %): at shaft_speed_amplitude = 200 rad/s, interference = 5 nm"),
+        warnings[0].starts_with(
+            "beyond the model's limits at 1 points (3.3 %): at shaft_speed_amplitude = 200 rad/s, interference = 5 nm"
+        ),
         "{warnings:?}"
     );
     // 219 MPa at 3 nm, beyond 205
-    assert!(warnings[1].starts_with("fiction at 18 points (60.0 %)"), "{warnings:?}");
+    assert!(
+        warnings[1].starts_with("beyond the model's limits at 18 points (60.0 %)"),
+        "{warnings:?}"
+    );
     assert!(
         warnings[1].contains("365.38 MPa, and the shaft yields at 205 MPa"),
         "{warnings:?}"

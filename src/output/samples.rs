@@ -51,7 +51,7 @@ pub fn measurement(lyapunov: f64) -> Measurement {
 
 /// A map of the exponents given, x fastest: NaN is a runaway, and what the list does not reach is not computed.
 pub fn map(x: &str, y: &str, exponents: &[f64]) -> ParameterMap {
-    let mut map = ParameterMap::new(experiment(x, y));
+    let mut map = ParameterMap::new(experiment(x, y)).unwrap();
     for (index, &lyapunov) in exponents.iter().enumerate() {
         let runaway = Measurement::runaway(50.0, BackendKind::CpuF64);
         map.set(

@@ -11,14 +11,14 @@ use crate::backend::BackendKind;
 use crate::backend::cpu::CpuBackend;
 use crate::design::{Axis, Fixed};
 use crate::dynamics::spectrum::lyapunov_spectrum;
+use crate::engine::Backends;
+use crate::engine::initial_states;
 use crate::experiment::{Precision, Settings};
 use crate::output::charts::{self, Component};
 use crate::output::panel::Panel;
 use crate::output::sheet::{BESIDE, Sheet};
 use crate::output::{PROGRAM, caption};
 use crate::parameters::{Parameter, ParameterSet};
-use crate::sweep::Backends;
-use crate::sweep::initial_states;
 
 /// The paper's measured window begins at tau = 1200, after 382 forcing periods, and is 100 long.
 const TRANSIENT: u32 = 382;
@@ -139,7 +139,7 @@ fn exponents_panel(
     };
     let axis = axis(range, work.exponents);
     let marks: Vec<(&str, f64)> = onset.iter().map(|found| ("onset", found.value)).collect();
-    let observer = &mut |_: crate::sweep::Event<'_>| observer();
+    let observer = &mut |_: crate::engine::Event<'_>| observer();
     let found = lines(&mut backends(), &settings, &damped(h1), &axis, &[START], observer)?;
     Ok(found.map(|lines| {
         let line = &lines[0];
@@ -184,7 +184,7 @@ fn first_chaos(
         axis: fine_axis(&axis(range, 2), ONSET_SPACING),
         starts,
     };
-    let observer = &mut |_: crate::sweep::Event<'_>| observer();
+    let observer = &mut |_: crate::engine::Event<'_>| observer();
     let scanned = scan.first(Way::Up, &mut backends(), observer)?;
     Ok(scanned.map(|scanned| scanned.found))
 }

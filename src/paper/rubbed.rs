@@ -9,6 +9,7 @@ use crate::backend::BackendKind;
 use crate::backend::cpu::CpuBackend;
 use crate::design::Design;
 use crate::dynamics::history::{History, Sample, history};
+use crate::engine::Backends;
 use crate::experiment::{Precision, Preset, Scheme, Settings};
 use crate::measure::{Class, Measurement};
 use crate::output::histories::{self, Course, courses, curve};
@@ -16,7 +17,6 @@ use crate::output::panel::Panel;
 use crate::output::sheet::Sheet;
 use crate::output::{PROGRAM, caption, charts};
 use crate::parameters::{Parameter, ParameterSet};
-use crate::sweep::Backends;
 
 /// The paper's gamma of heated curves, and its k_w of worn ones.
 const HEATED: f64 = 1.87;
@@ -189,7 +189,7 @@ const SPEEDS: [f64; 2] = [-4.5, 4.5];
 fn measured(work: &Work, point: &ParameterSet, observer: &mut Observer<'_>) -> Result<Option<Measurement>, PaperError> {
     let design = Design::product(Vec::new(), (*point).into());
     let mut backends = Backends::new(Box::new(CpuBackend::new(Precision::F64)), None);
-    let observer = &mut |_: crate::sweep::Event<'_>| observer();
+    let observer = &mut |_: crate::engine::Event<'_>| observer();
     let measured = backends.measure(&design, &work.settings, &[0], observer)?;
     Ok(measured.map(|measured| measured[0]))
 }

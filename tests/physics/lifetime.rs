@@ -5,9 +5,9 @@ use std::ops::ControlFlow;
 use tribochaos::analysis::lifetime::{Decay, Fit, Survival, exponent};
 use tribochaos::analysis::settling::{End, Fate, follow};
 use tribochaos::backend::cpu::CpuBackend;
+use tribochaos::engine::initial_states;
 use tribochaos::experiment::{Precision, Settings};
 use tribochaos::parameters::{Parameter, ParameterSet};
-use tribochaos::sweep::initial_states;
 
 const STATES: u32 = 400;
 

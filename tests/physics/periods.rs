@@ -4,10 +4,10 @@ use std::ops::ControlFlow;
 
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::design::Axis;
+use tribochaos::engine::{Backends, initial_states};
 use tribochaos::experiment::{Experiment, Precision, Request, Settings};
 use tribochaos::measure::Class;
 use tribochaos::parameters::{Parameter, ParameterSet};
-use tribochaos::sweep::{Backends, initial_states};
 
 use crate::common::{PRECISIONS, from_state, measure, point};
 

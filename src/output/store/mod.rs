@@ -16,6 +16,7 @@ use self::layout::{FORMAT, FORMAT_VERSION, NO_CODE, coordinate, data_type, node,
 use self::scales::ScaleArrays;
 use super::{PROGRAM, write_whole};
 use crate::design::Axis;
+use crate::engine::{Sink, SinkError};
 use crate::experiment::{Experiment, Request};
 use crate::map::ParameterMap;
 use crate::measure::{Measurement, QUANTITIES, Quantity, QuantityInfo, Values};
@@ -26,7 +27,7 @@ mod scales;
 mod tile;
 
 pub use error::StoreError;
-pub use tile::Tile;
+pub use tile::{Tile, shape};
 
 /// Quantities that every point whose status is ok has.
 const NEVER_NAN: [Quantity; 8] = [
@@ -225,16 +226,11 @@ impl MapStore {
 
     /// All tiles, row by row; those at the far edges are cut to the map.
     pub fn tiles(&self) -> impl Iterator<Item = Tile> + '_ {
-        let [x, y] = axes(&self.experiment);
-        let [rows, cols] = self.tile;
-        (0..y.count()).step_by(rows).flat_map(move |row0| {
-            (0..x.count()).step_by(cols).map(move |col0| Tile {
-                row0,
-                rows: rows.min(y.count() - row0),
-                col0,
-                cols: cols.min(x.count() - col0),
-            })
-        })
+        tile::tiles(axes(&self.experiment).map(Axis::count), self.tile)
+    }
+
+    fn unit(&self, unit: usize) -> Tile {
+        self.tiles().nth(unit).expect("a unit of the store")
     }
 
     /// Writes the measurements of a tile, x fastest. A tile counts as finished only once all of it is on disk.
@@ -293,7 +289,7 @@ impl MapStore {
     /// # Errors
     /// [`StoreError::Damaged`] if values of a finished tile cannot be read.
     pub fn read_map(&self) -> Result<ParameterMap, StoreError> {
-        let mut map = ParameterMap::new(self.experiment.clone());
+        let mut map = ParameterMap::new(self.experiment.clone()).expect("a store has two axes");
         let columns = map.x_axis().count();
         for tile in self.tiles() {
             // what is there but cannot be decoded is damage here, though a resumed run may compute it again
@@ -366,6 +362,12 @@ impl MapStore {
         self.group.attributes().get(name)
     }
 
+    /// The devices on which the map was computed, in the order in which they came.
+    pub fn devices(&self) -> Vec<String> {
+        let stored = self.attribute("devices").cloned().unwrap_or_default();
+        serde_json::from_value(stored).unwrap_or_default()
+    }
+
     /// Not through zarrs, which would write over the file in place: a kill in between would cost the whole store.
     fn write_group(&self) -> Result<(), StoreError> {
         let json = serde_json::to_vec_pretty(self.group.metadata()).map_err(io::Error::from);
@@ -409,6 +411,31 @@ impl MapStore {
             path: self.path.clone(),
             what,
         }
+    }
+}
+
+impl Sink for MapStore {
+    fn units(&self) -> usize {
+        self.tiles().count()
+    }
+
+    fn points(&self, unit: usize) -> Vec<usize> {
+        let [x, _] = axes(&self.experiment);
+        self.unit(unit).indices(x.count()).collect()
+    }
+
+    fn is_finished(&self, unit: usize) -> Result<bool, SinkError> {
+        Ok(Self::is_finished(self, &self.unit(unit))?)
+    }
+
+    fn write(&mut self, unit: usize, measurements: &[Measurement], device: &str) -> Result<(), SinkError> {
+        self.write_tile(&self.unit(unit), measurements)?;
+        let mut devices = self.devices();
+        if !devices.iter().any(|known| known == device) {
+            devices.push(device.to_owned());
+            self.set_attribute("devices", devices.into())?;
+        }
+        Ok(())
     }
 }
 

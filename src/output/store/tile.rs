@@ -27,3 +27,44 @@ impl Tile {
             .flat_map(move |row| (self.col0..self.col0 + self.cols).map(move |col| row * columns + col))
     }
 }
+
+/// All tiles of a map of `x` by `y` points, row by row, in tiles of so many rows and columns.
+pub fn tiles([x, y]: [usize; 2], [rows, cols]: [usize; 2]) -> impl Iterator<Item = Tile> {
+    (0..y).step_by(rows).flat_map(move |row0| {
+        (0..x).step_by(cols).map(move |col0| Tile {
+            row0,
+            rows: rows.min(y - row0),
+            col0,
+            cols: cols.min(x - col0),
+        })
+    })
+}
+
+/// Rows and columns of the tiles of a map of `x` by `y` points, of about `points` points: whole rows if they hold no more, else parts of
+/// one.
+pub fn shape([x, y]: [usize; 2], points: usize) -> [usize; 2] {
+    if points >= x {
+        [(points / x).min(y), x]
+    } else {
+        [1, points]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_are_whole_rows_or_parts_of_one() {
+        assert_eq!(shape([300, 201], 4096), [13, 300]);
+        assert_eq!(shape([300, 201], 1 << 20), [201, 300]);
+        assert_eq!(shape([300, 201], 299), [1, 299]);
+    }
+
+    #[test]
+    fn tiles_cover_every_point_once() {
+        let mut all: Vec<usize> = tiles([7, 5], [2, 3]).flat_map(|tile| tile.indices(7)).collect();
+        all.sort_unstable();
+        assert_eq!(all, Vec::from_iter(0..35));
+    }
+}

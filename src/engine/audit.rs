@@ -1,6 +1,6 @@
-//! The audit of a map: some of its points computed again on the CPU in f64.
+//! The audit of results: some of their points computed again on the CPU in f64.
 //!
-//! Owns the choice of points and what agreement means; does not change the map.
+//! Owns the choice of points and what agreement means; does not change them.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,17 +8,17 @@ use super::{Backends, Observer};
 use crate::backend::BackendError;
 use crate::backend::cpu::CpuBackend;
 use crate::experiment::Precision;
-use crate::map::ParameterMap;
 use crate::measure::{Class, Quantity};
+use crate::results::Results;
 
 /// Agreement of audited points with the f64 reference.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Audit {
-    /// One row for each class that occurs in the map.
+    /// One row for each class that occurs in the results.
     pub classes: Vec<ClassAudit>,
 }
 
-/// Agreement of the audited points that the map puts into one class.
+/// Agreement of the audited points that the results put into one class.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClassAudit {
     /// None for the transient motion of contacts that wear.
@@ -63,15 +63,15 @@ impl Audit {
 }
 
 /// Points to audit, by class: as evenly over the classes that occur as their numbers allow, chaotic ones first, and
-/// evenly over the map within each class.
-pub fn choose(map: &ParameterMap, points: usize) -> Vec<(Option<Class>, Vec<usize>)> {
+/// evenly over the design within each class.
+pub fn choose(results: &Results, points: usize) -> Vec<(Option<Class>, Vec<usize>)> {
     let mut strata: Vec<(Option<Class>, Vec<usize>)> = Class::ALL
         .into_iter()
         .map(Some)
         .chain([None])
         .map(|class| {
-            let indices =
-                (0..map.experiment.design.len()).filter(|&index| map.is_ok(index) && map.class(index) == class);
+            let indices = (0..results.experiment.design.len())
+                .filter(|&index| results.is_ok(index) && results.class(index) == class);
             (class, indices.collect())
         })
         .filter(|(_, indices): &(_, Vec<usize>)| !indices.is_empty())
@@ -95,15 +95,21 @@ pub fn choose(map: &ParameterMap, points: usize) -> Vec<(Option<Class>, Vec<usiz
     strata
 }
 
-/// Computes `points` points of the map again on the CPU in f64; None if the observer broke it off.
+/// Computes `points` points again on the CPU in f64; None if the observer broke it off.
 ///
 /// # Errors
 /// If the CPU backend fails.
-pub fn audit(map: &ParameterMap, points: usize, observer: &mut Observer<'_>) -> Result<Option<Audit>, BackendError> {
+pub fn audit(results: &Results, points: usize, observer: &mut Observer<'_>) -> Result<Option<Audit>, BackendError> {
     let mut reference = Backends::new(Box::new(CpuBackend::new(Precision::F64)), None);
-    let strata = choose(map, points);
+    let strata = choose(results, points);
     let indices: Vec<usize> = strata.iter().flat_map(|(_, indices)| indices.iter().copied()).collect();
-    let Some(again) = reference.measure(&map.experiment.design, &map.experiment.settings, &indices, observer)? else {
+    let Some(again) = reference.measure(
+        &results.experiment.design,
+        &results.experiment.settings,
+        &indices,
+        observer,
+    )?
+    else {
         return Ok(None);
     };
     let mut again = indices.iter().zip(&again);
@@ -118,10 +124,10 @@ pub fn audit(map: &ParameterMap, points: usize, observer: &mut Observer<'_>) -> 
                 largest_difference: 0.0,
             };
             for (&index, reference) in again.by_ref().take(indices.len()) {
-                let difference = (map.column(Quantity::Lyapunov)[index] - reference.lyapunov).abs();
-                let error = map.column(Quantity::LyapunovError)[index].hypot(reference.lyapunov_error);
+                let difference = (results.column(Quantity::Lyapunov)[index] - reference.lyapunov).abs();
+                let error = results.column(Quantity::LyapunovError)[index].hypot(reference.lyapunov_error);
                 let contact = Quantity::ContactStatus;
-                let same_contact = map.column(contact)[index] == contact.of(reference);
+                let same_contact = results.column(contact)[index] == contact.of(reference);
                 row.points += 1;
                 row.same_class += usize::from(reference.class == *class && same_contact);
                 // an exponent of finite time has no error, and is held to the floor
@@ -142,10 +148,10 @@ mod tests {
     use crate::measure::{Measurement, Status};
 
     /// A map of 10 x 10 points: three chaotic, one undecided, the rest regular.
-    fn map() -> ParameterMap {
+    fn results() -> Results {
         let axes = Request::default_map().map(|axis| axis.resampled(10));
         let request = Request::over(axes.into());
-        let mut map = ParameterMap::new(request.resolve().unwrap());
+        let mut results = Results::new(request.resolve().unwrap());
         for index in 0..100 {
             let class = match index {
                 7 | 50 | 93 => Class::Chaotic,
@@ -153,7 +159,7 @@ mod tests {
                 _ => Class::Regular,
             };
             let runaway = Measurement::runaway(0.0, BackendKind::GpuF32);
-            map.set(
+            results.set(
                 index,
                 &Measurement {
                     status: Status::Ok,
@@ -162,13 +168,13 @@ mod tests {
                 },
             );
         }
-        map
+        results
     }
 
     #[test]
     fn classes_share_the_audit_and_chaos_is_never_left_out() {
         let chosen = |points| {
-            choose(&map(), points)
+            choose(&results(), points)
                 .into_iter()
                 .map(|(class, i)| (class, i.len()))
                 .collect::<Vec<_>>()
@@ -203,7 +209,7 @@ mod tests {
     #[test]
     fn a_forged_map_does_not_pass() {
         // nothing in this map was computed: its exponents are NaN
-        let audit = audit(&map(), 6, &mut |_| std::ops::ControlFlow::Continue(()))
+        let audit = audit(&results(), 6, &mut |_| std::ops::ControlFlow::Continue(()))
             .unwrap()
             .unwrap();
         assert_eq!(audit.points(), 6);

@@ -1,58 +1,26 @@
-//! From a design to its measurements: points to instances, instances to batches, batches to a backend, and back.
+//! The backend in use and its fall-back: points to instances, instances to batches, and back.
 //!
-//! Owns the order of the work, the fall-back to another backend, and cancellation; neither stores nor draws nor prints.
-
-pub mod audit;
-pub mod choice;
-pub mod estimate;
-pub mod initial_states;
+//! Owns the order of batches and the fall-back to another backend; stores nothing.
 
 use std::ops::ControlFlow;
 
+use super::{Event, Observer, initial_states};
 use crate::backend::{Backend, BackendError};
 use crate::design::Design;
 use crate::experiment::{Experiment, Settings};
 use crate::measure::{self, Measurement, Status};
 use crate::parameters::ParameterSet;
 
-/// Instance-periods of `points` points: the work of a sweep.
-pub fn instance_periods(settings: &Settings, points: usize) -> u64 {
-    points as u64
-        * u64::from(settings.initial_states)
-        * (u64::from(settings.transient_periods) + u64::from(settings.periods))
-}
-
-/// Rows and columns of a map's tiles: whole rows of it if they hold no more than `points`, else parts of one.
-pub fn tile_shape(experiment: &Experiment, points: usize) -> [usize; 2] {
-    let [x, y] = [0, 1].map(|axis| experiment.design.axes()[axis].count());
-    if points >= x {
-        [(points / x).min(y), x]
-    } else {
-        [1, points]
-    }
-}
-
-/// An eighth of a map is no reason to make tiles smaller than this.
+/// An eighth of an experiment is no reason to make units smaller than this.
 const MIN_SHARE: usize = 4096;
-/// Least number of points in a tile.
-const MIN_TILE: usize = 64;
+/// Least number of points in a unit.
+const MIN_UNIT: usize = 64;
 
 /// A backend, and another one that takes over if it fails.
 pub struct Backends {
     active: Box<dyn Backend>,
     fallback: Option<Box<dyn Backend>>,
 }
-
-/// What a sweep tells while it runs.
-pub enum Event<'a> {
-    /// So many instance-periods were done since the last event.
-    Advanced(u64),
-    /// The backend failed; the fall-back goes on from the last finished batch.
-    FellBack { error: &'a BackendError, device: &'a str },
-}
-
-/// Hears events; may break the sweep off.
-pub type Observer<'a> = dyn FnMut(Event<'_>) -> ControlFlow<()> + 'a;
 
 impl Backends {
     pub fn new(active: Box<dyn Backend>, fallback: Option<Box<dyn Backend>>) -> Self {
@@ -73,11 +41,11 @@ impl Backends {
         (self.active.batch_size(settings) / settings.initial_states as usize).max(1)
     }
 
-    /// Points in a tile: a batch, but no more than an eighth of a large map, since what is not a finished tile is lost when
-    /// the run is interrupted, and not so few that the store falls into crumbs.
-    pub fn points_per_tile(&self, experiment: &Experiment) -> usize {
+    /// Points in a unit: a batch, but no more than an eighth of a large experiment, since what is not a finished unit is lost when
+    /// the run is interrupted, and not so few that a store falls into crumbs.
+    pub fn points_per_unit(&self, experiment: &Experiment) -> usize {
         let eighth = experiment.design.len().div_ceil(8).max(MIN_SHARE);
-        self.points_per_batch(&experiment.settings).min(eighth).max(MIN_TILE)
+        self.points_per_batch(&experiment.settings).min(eighth).max(MIN_UNIT)
     }
 
     /// Measures the points of a design with the given indices, in their order; None if the observer broke it off.
@@ -154,18 +122,4 @@ fn measure_states(
         };
     }
     Ok(Some(measured))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::experiment::Request;
-
-    #[test]
-    fn tiles_are_whole_rows_or_parts_of_one() {
-        let experiment = Request::default().resolve().unwrap();
-        assert_eq!(tile_shape(&experiment, 4096), [13, 300]);
-        assert_eq!(tile_shape(&experiment, 1 << 20), [201, 300]);
-        assert_eq!(tile_shape(&experiment, 299), [1, 299]);
-    }
 }

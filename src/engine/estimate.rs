@@ -1,4 +1,4 @@
-//! How long a sweep will take, by trying.
+//! How long a run will take, by trying.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -13,7 +13,7 @@ const ENOUGH: Duration = Duration::from_secs(1);
 /// ...and one that takes longer than this is broken off.
 const MOST: Duration = Duration::from_secs(5);
 
-/// Neighbours in a sample, which share the lanes of a block as they do in a sweep.
+/// Neighbours in a sample, which share the lanes of a block as they do in a run.
 const NEIGHBOURS: usize = 32;
 
 /// Seconds that the experiment takes, extrapolated from a sample of its points that is measured as they all will be: what a

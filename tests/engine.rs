@@ -9,10 +9,10 @@ use tribochaos::backend::BackendKind;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
 use tribochaos::design::Axis;
+use tribochaos::engine::{Backends, Event, audit, estimate};
 use tribochaos::experiment::{Experiment, Precision, Request, Settings};
 use tribochaos::map::ParameterMap;
 use tribochaos::measure::{Class, Measurement, Quantity};
-use tribochaos::sweep::{Backends, Event, audit, estimate};
 
 fn experiment(x: &str, y: &str, settings: Settings) -> Experiment {
     let request = Request {
@@ -36,11 +36,11 @@ fn compute(backends: &mut Backends, experiment: &Experiment) -> Vec<Measurement>
     backends
         .measure(&experiment.design, &experiment.settings, &indices, &mut carry_on)
         .unwrap()
-        .expect("nothing breaks the sweep off")
+        .expect("nothing breaks the run off")
 }
 
 fn map(experiment: &Experiment, measurements: &[Measurement]) -> ParameterMap {
-    let mut map = ParameterMap::new(experiment.clone());
+    let mut map = ParameterMap::new(experiment.clone()).unwrap();
     for (index, measurement) in measurements.iter().enumerate() {
         map.set(index, measurement);
     }
@@ -132,7 +132,7 @@ fn a_map_whose_gpu_is_lost_is_finished_on_the_cpu() {
     }
     let mut backends = Backends::new(Box::new(gpu), Some(Box::new(CpuBackend::new(Precision::F64))));
     let indices: Vec<usize> = (0..experiment.design.len()).collect();
-    let work = tribochaos::sweep::instance_periods(&experiment.settings, batch);
+    let work = tribochaos::engine::instance_periods(&experiment.settings, batch);
     let (mut done, mut fell_back) = (0, Vec::new());
     let mut observer = |event: Event<'_>| {
         match event {
@@ -143,6 +143,7 @@ fn a_map_whose_gpu_is_lost_is_finished_on_the_cpu() {
                     device.destroy();
                 }
             }
+            Event::Found(_) => {}
             Event::FellBack { error, device } => fell_back.push(format!("{error}; {device}")),
         }
         ControlFlow::Continue(())
