@@ -9,8 +9,8 @@ use divan::counter::ItemsCount;
 use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
 use tribochaos::backend::gpu::{GpuBackend, GpuContext};
 use tribochaos::backend::{Backend, Slice, Stage};
-use tribochaos::benchmark::kernels::Case;
 use tribochaos::experiment::{Precision, Settings};
+use tribochaos::studies::benchmark::kernels::Case;
 
 fn main() {
     // one core: what one costs is what is compared

@@ -4,7 +4,8 @@
 //!
 //! A map, in ten lines:
 //!
-//! ```no_run
+#![cfg_attr(all(feature = "pictures", feature = "store"), doc = "```no_run")]
+#![cfg_attr(not(all(feature = "pictures", feature = "store")), doc = "```ignore")]
 //! use tribochaos::{Axis, Experiment, ParameterMap, Quantity};
 //!
 //! let experiment = Experiment::builder()
@@ -32,6 +33,15 @@
 //!
 //! The folder `examples/` has five short programs. Everything else is a part that these are made of.
 //!
+//! # Features
+//!
+//! All are on by default; without them the library has no heavy dependency, and computes on the CPU into memory.
+//!
+//! - `gpu`: computing on a GPU by wgpu;
+//! - `pictures`: maps and charts as PNG and SVG;
+//! - `store`: maps on disk as Zarr;
+//! - `cli`: the program; it needs the others.
+//!
 //! # Layers
 //!
 //! From the bottom to the top; nothing knows of what stands below it in this list:
@@ -43,15 +53,13 @@
 //! - [`backend`]: batches of instances on the CPU or a GPU;
 //! - [`measure`]: what is measured of a point, and when that is known;
 //! - [`results`], [`map`]: columns over a design; those over two axes, and the border of chaos;
-//! - [`benchmark`]: points to time kernels on, and how exact they are;
 //! - [`engine`]: an experiment is cut into units, which are measured one by one and given to a sink; the audit;
 //! - [`analysis`]: orbits, bifurcation diagrams, sections, exponents over a line, thresholds, lifetimes of chaos;
 //! - [`output`]: stores, pictures and tables;
-//! - [`paper`]: the paper's figures and numbers, computed anew.
+//! - [`studies`]: benchmarks, and the paper's figures and numbers, computed anew.
 
 pub mod analysis;
 pub mod backend;
-pub mod benchmark;
 pub mod design;
 pub mod dynamics;
 pub mod engine;
@@ -62,9 +70,9 @@ pub mod map;
 pub mod measure;
 pub mod model;
 pub mod output;
-pub mod paper;
 pub mod parameters;
 pub mod results;
+pub mod studies;
 
 pub use self::design::{Axis, Points};
 pub use self::engine::{Sink, run, run_into};
@@ -72,6 +80,7 @@ pub use self::experiment::{Experiment, Preset, Request, Settings};
 pub use self::machine::Description;
 pub use self::map::ParameterMap;
 pub use self::measure::{Class, Measurement, Quantity, Status};
+#[cfg(feature = "store")]
 pub use self::output::store::MapStore;
 pub use self::results::Results;
 
@@ -79,6 +88,7 @@ pub use self::results::Results;
 ///
 /// # Errors
 /// If the picture cannot be drawn, or not be written.
+#[cfg(feature = "pictures")]
 pub fn draw(
     map: &ParameterMap,
     quantity: Quantity,

@@ -1,5 +1,7 @@
 //! The program from outside: what is typed, what comes out, and with which exit code.
 
+#![cfg(feature = "cli")]
+
 mod program;
 
 use std::fs;
@@ -393,7 +395,7 @@ fn bad_input_is_refused_with_a_reason_before_any_work() {
         (&["map", "--set", "b=NaN"], "out of range"),
         (&["map", "--set", "b"], "NAME=VALUE"),
         (&["map", "--set", "zeta_k=3"], "leave one of the two out"),
-        (&["map", "--x", "h1=0:1:5"], "both axes are h1"),
+        (&["map", "--x", "h1=0:1:5"], "two axes are h1"),
         (&["map", "--steps-per-period", "7"], "from 8"),
         (&["map", "--periods", "3"], "from 16"),
         (&["map", "--align-periods", "301"], "from 0 to 300"),

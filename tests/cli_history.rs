@@ -1,5 +1,7 @@
 //! The command `history` from outside: what is typed, what comes out, and with which exit code.
 
+#![cfg(feature = "cli")]
+
 mod program;
 
 use std::fs;

@@ -1,5 +1,7 @@
 //! Whole maps: a GPU's against the CPU's, one whose GPU is lost on the way, several initial states, and the audit.
 
+#![cfg(feature = "gpu")]
+
 mod gpu_context;
 
 use std::ops::ControlFlow;

@@ -2,6 +2,8 @@
 //!
 //! `TRIBOCHAOS_UPDATE_GOLDEN=1 cargo test --test golden` writes it anew; say in the commit why it changed.
 
+#![cfg(feature = "gpu")]
+
 mod common;
 mod gpu_context;
 

@@ -1,5 +1,7 @@
 //! The GPU backend as a backend: its limits, its errors, and that no cutting into batches and dispatches shows.
 
+#![cfg(feature = "gpu")]
+
 mod gpu_context;
 mod points;
 

@@ -4,6 +4,8 @@
 //! of transient, is above 0.005. The scans begin 0.4 below the expected onset: further down there is no chaos, but long
 //! transients and quasi-periodic motion let some exponents of 100 periods stand above 0.005.
 
+#![cfg(feature = "pictures")]
+
 mod common;
 
 use common::{from_state, measure, pinned_settings, point};

@@ -1,5 +1,7 @@
 //! Twins of the full model give the same values: their functions on random inputs.
 
+#![cfg(feature = "gpu")]
+
 mod gpu_context;
 mod probe;
 

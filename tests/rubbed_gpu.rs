@@ -1,5 +1,7 @@
 //! The full model on a GPU: the figures of the CPU in f64, its limits, and that no cutting into batches shows.
 
+#![cfg(feature = "gpu")]
+
 mod gpu_context;
 
 use std::ops::ControlFlow;

@@ -1,6 +1,8 @@
 //! Holds the shader of the full model and Rust together without a GPU: layouts, bindings, constants, and translation to
 //! every target language. Its twin functions are held by `shader_contract`.
 
+#![cfg(feature = "gpu")]
+
 mod reflection;
 
 use std::collections::BTreeMap;

@@ -1,6 +1,8 @@
 //! Holds shaders and Rust together without a GPU: layouts, bindings, constants, twin functions, and translation to
 //! every target language.
 
+#![cfg(feature = "gpu")]
+
 mod reflection;
 
 use std::collections::{BTreeMap, BTreeSet};

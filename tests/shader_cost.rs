@@ -2,13 +2,15 @@
 //!
 //! `cargo test --test shader_cost -- --nocapture` prints the figures that the README's roofline estimate begins with.
 
+#![cfg(feature = "gpu")]
+
 use naga::{BinaryOperator, Block, Expression, Function, Handle, MathFunction, Module, Statement, TypeInner};
 use tribochaos::backend::gpu::shader_source::{Lanes, Shader};
-use tribochaos::benchmark;
 use tribochaos::dynamics::taylor::{self, COEFFICIENTS, Flow};
 use tribochaos::experiment::Scheme;
 use tribochaos::lanes::{Real, Ticks};
 use tribochaos::parameters::Parameter;
+use tribochaos::studies::benchmark;
 
 /// Arithmetic of a piece of a shader, whatever is called included and loops gone through once.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

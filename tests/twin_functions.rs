@@ -1,5 +1,7 @@
 //! Twins give the same values: their functions on random inputs.
 
+#![cfg(feature = "gpu")]
+
 mod gpu_context;
 mod probe;
 

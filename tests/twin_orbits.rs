@@ -1,5 +1,7 @@
 //! Twins give the same orbits: short trajectories to rounding, long ones in what is measured of them.
 
+#![cfg(feature = "gpu")]
+
 mod gpu_context;
 mod points;
 

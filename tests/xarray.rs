@@ -1,6 +1,8 @@
 //! The store opens in Python's xarray as a labelled data set. Where Python or xarray is missing the test is skipped,
 //! unless TRIBOCHAOS_REQUIRE_PYTHON is set.
 
+#![cfg(feature = "store")]
+
 use std::path::Path;
 use std::process::Command;
 

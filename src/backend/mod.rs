@@ -4,6 +4,7 @@
 
 pub mod contact;
 pub mod cpu;
+#[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod kind;
 pub mod twins;

@@ -15,6 +15,7 @@ use tribochaos::output::figure::Figure;
 use tribochaos::output::{PROGRAM, charts, drawing, table};
 use tribochaos::parameters::{PARAMETERS, Parameter, ParameterSet};
 
+use super::json::JsonArgs;
 use super::request::ExperimentArgs;
 use super::{Failure, outputs};
 
@@ -27,9 +28,15 @@ pub struct OutArgs {
     /// Replace drawings of something else
     #[arg(long)]
     pub force: bool,
-    /// Print one JSON object
-    #[arg(long)]
-    pub json: bool,
+    #[command(flatten)]
+    pub json: JsonArgs,
+}
+
+impl OutArgs {
+    /// Whether files are written: not where an object is wanted and no name is given.
+    pub fn draws(&self) -> bool {
+        self.out.is_some() || !self.json.wanted()
+    }
 }
 
 /// Initial states besides (x0, y0).
@@ -263,7 +270,9 @@ pub fn recipe(command: &str, experiment: &Experiment, options: Value) -> String 
 
 /// The files of one command: NAME.png, NAME.svg, NAME.csv, and others whose names go on.
 pub struct Files {
-    name: PathBuf,
+    /// None where nothing is drawn.
+    name: Option<PathBuf>,
+    json: JsonArgs,
     recipe: String,
     written: Vec<PathBuf>,
 }
@@ -275,26 +284,31 @@ impl Files {
     /// If the name names no file, nothing can be written there, or a drawing with another recipe is there and `force` is
     /// not given.
     pub fn claim(args: &OutArgs, default: &str, drawings: &[&str], recipe: String) -> Result<Self, Failure> {
-        let name = args.out.clone().unwrap_or_else(|| default.into());
-        for drawing in drawings {
-            check(&drawing::with_ending(&name, drawing), &recipe, args.force).map_err(Failure::Input)?;
+        let name = args.draws().then(|| args.out.clone().unwrap_or_else(|| default.into()));
+        if let Some(name) = &name {
+            for drawing in drawings {
+                check(&drawing::with_ending(name, drawing), &recipe, args.force).map_err(Failure::Input)?;
+            }
+            outputs::check_writable(&drawing::with_ending(name, ".png")).map_err(Failure::Input)?;
         }
-        outputs::check_writable(&drawing::with_ending(&name, ".png")).map_err(Failure::Input)?;
         Ok(Self {
             name,
+            json: args.json,
             recipe,
             written: Vec::new(),
         })
     }
 
+    /// Writes a drawing, if there are to be files.
     pub fn draw(&mut self, drawing: &str, figure: &Figure, title: &str) -> Result<(), Failure> {
-        let name = drawing::with_ending(&self.name, drawing);
+        let Some(name) = &self.name else { return Ok(()) };
+        let name = drawing::with_ending(name, drawing);
         let files = drawing::write_drawing(&name, figure, title, &self.recipe).map_err(Failure::run)?;
         self.written.extend(files);
         Ok(())
     }
 
-    /// Writes a table with the recipe in its comments.
+    /// Writes a table with the recipe in its comments, if there are to be files.
     pub fn table<'a>(
         &mut self,
         drawing: &str,
@@ -302,7 +316,8 @@ impl Files {
         columns: impl AsRef<[&'a str]>,
         rows: impl Iterator<Item = impl AsRef<[f64]>>,
     ) -> Result<(), Failure> {
-        let path = drawing::with_ending(&drawing::with_ending(&self.name, drawing), ".csv");
+        let Some(name) = &self.name else { return Ok(()) };
+        let path = drawing::with_ending(&drawing::with_ending(name, drawing), ".csv");
         let recipe = self.recipe.lines().filter(|line| !line.is_empty()).map(str::to_owned);
         let comments: Vec<String> = notes.iter().cloned().chain(recipe).collect();
         table::write_rows(&path, &comments, columns.as_ref(), rows).map_err(Failure::run)?;
@@ -315,11 +330,11 @@ impl Files {
         match object {
             Some(mut object) => {
                 object["files"] = self.written.iter().map(|path| path.display().to_string()).collect();
-                say!("{object:#}");
+                self.json.print(&object);
             }
             None => {
                 for path in &self.written {
-                    say!("wrote {}", path.display());
+                    print_line!("wrote {}", path.display());
                 }
             }
         }

@@ -8,11 +8,12 @@ use tribochaos::backend::Backend;
 use tribochaos::backend::BackendError;
 use tribochaos::backend::cpu::InstructionSet;
 use tribochaos::backend::gpu::{GpuBackend, GpuContext};
-use tribochaos::benchmark::kernels::{self, Case, Kernel};
-use tribochaos::benchmark::scaling;
 use tribochaos::experiment::{Precision, Scheme, Settings};
 use tribochaos::output::PROGRAM;
+use tribochaos::studies::benchmark::kernels::{self, Case, Kernel};
+use tribochaos::studies::benchmark::scaling;
 
+use super::json::JsonArgs;
 use super::{Failure, request};
 
 #[derive(Args)]
@@ -35,9 +36,8 @@ pub struct BenchArgs {
     /// Time the default scheme on one thread to all, and on maps of 10^3 to 10^6 points, instead
     #[arg(long, conflicts_with_all = ["backend", "scheme", "precision", "tolerance", "adapter"])]
     scaling: bool,
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    json: JsonArgs,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, serde::Deserialize)]
@@ -112,58 +112,53 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
     }
     let gpu = gpu.as_mut().map(|gpu| gpu as &mut dyn Backend);
     let kernels = kernels::measure(&cases, gpu, BUDGET).map_err(Failure::backend)?;
-    if args.json {
+    if args.json.wanted() {
         let default_scheme = Settings::default().scheme();
-        say!(
-            "{:#}",
-            json!({ "program": PROGRAM, "default_scheme": default_scheme, "kernels": kernels })
-        );
+        args.json
+            .print(&json!({ "program": PROGRAM, "default_scheme": default_scheme, "kernels": kernels }));
     } else {
         print(&kernels);
     }
     Ok(())
 }
 
-fn scaling(as_json: bool) -> Result<(), Failure> {
+fn scaling(as_json: JsonArgs) -> Result<(), Failure> {
     let threads = scaling::threads().map_err(Failure::backend)?;
     let sizes = scaling::sizes().map_err(Failure::backend)?;
-    if as_json {
-        say!(
-            "{:#}",
-            json!({ "program": PROGRAM, "threads": threads, "points": sizes })
-        );
+    if as_json.wanted() {
+        as_json.print(&json!({ "program": PROGRAM, "threads": threads, "points": sizes }));
         return Ok(());
     }
-    say!("{PROGRAM}: wall-clock ns for one forcing period of one instance, taylor in f64 on the CPU\n");
-    say!("  threads        ns  speed-up");
+    print_line!("{PROGRAM}: wall-clock ns for one forcing period of one instance, taylor in f64 on the CPU\n");
+    print_line!("  threads        ns  speed-up");
     for row in &threads {
-        say!(
+        print_line!(
             "  {:>7} {:>9.0} {:>9.2}",
             row.threads,
             row.ns_per_instance_period,
             row.speed_up
         );
     }
-    say!("\n   points        ns  (on all threads)");
+    print_line!("\n   points        ns  (on all threads)");
     for row in &sizes {
-        say!("  {:>7} {:>9.0}", row.points, row.ns_per_instance_period);
+        print_line!("  {:>7} {:>9.0}", row.points, row.ns_per_instance_period);
     }
     Ok(())
 }
 
 fn print(kernels: &[Kernel]) {
-    say!(
+    print_line!(
         "{PROGRAM}: ns for one forcing period of one instance, on one core of the CPU or a whole GPU, and errors of the exponent"
     );
     let mut device = String::new();
     for kernel in kernels {
         if heading(kernel) != device {
             device = heading(kernel);
-            say!("\n{device}");
-            say!("  scheme         motion alone  with vectors     mean   error: median    99 %");
+            print_line!("\n{device}");
+            print_line!("  scheme         motion alone  with vectors     mean   error: median    99 %");
         }
         let modes = kernel.modes.map_or(String::new(), |modes| format!(", M = {modes}"));
-        say!(
+        print_line!(
             "  {:<14} {:>12.0} {:>13.0} {:>8.0}   {:>13.1e} {:>7.1e}",
             format!("{}{modes}", kernel.scheme.name()),
             kernel.ns_motion_alone,

@@ -20,7 +20,7 @@ use super::{Failure, report};
 
 /// Every column has the states at drive phase 0 of 200 periods after 300, unless told otherwise.
 #[derive(Args)]
-#[command(after_help = request::parameter_table())]
+#[command(after_long_help = request::parameter_table())]
 pub struct BifurcationArgs {
     /// The parameter and its values, ends included [default: zeta_k=0:12:2400]
     #[arg(long, value_name = "NAME=START:STOP:COUNT", value_parser = request::axis)]
@@ -97,7 +97,7 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
     let mut files = Files::claim(&args.out, "outputs/bifurcation", &[""], recipe)?;
     let mut choice = analysis::choose(&experiment)?;
 
-    progress::catch_interrupt();
+    progress::catch_signals();
     let started = Instant::now();
     let instances = axis.count() * starts.len();
     let bar = Progress::new(
@@ -165,7 +165,7 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
         [axis.coordinate.name(), "x", "y"],
         rows,
     )?;
-    if args.out.json {
+    if args.out.json.wanted() {
         let object = json!({
             "parameters": analysis::parameters(experiment.design.fixed.parameters()),
             "axis": axis,
@@ -177,14 +177,14 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
         files.report(Some(analysis::with_machine(object, &experiment)));
         return Ok(());
     }
-    say!(
+    print_line!(
         "{} states over {} values in {}",
         diagram.len(),
         axis.count(),
         report::duration(started.elapsed())
     );
     if diagram.runaways > 0 {
-        say!(
+        print_line!(
             "{} orbits ran away or were given up as under-resolved",
             diagram.runaways
         );

@@ -2,6 +2,7 @@
 
 use anyhow::anyhow;
 use clap::Args;
+use serde_json::{Value, json};
 use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
 use tribochaos::backend::gpu::{GpuBackend, GpuContext, adapters};
 use tribochaos::backend::{Backend, twins};
@@ -12,6 +13,7 @@ use tribochaos::experiment::{Precision, Request};
 use tribochaos::map::ParameterMap;
 use tribochaos::output::PROGRAM;
 
+use super::json::JsonArgs;
 use super::{Failure, progress, report};
 
 #[derive(Args)]
@@ -23,16 +25,28 @@ pub struct DevicesArgs {
     /// Part of the name of the adapter to check [default: the first, hardware before software]
     #[arg(long, value_name = "NAME", requires = "check")]
     adapter: Option<String>,
+    #[command(flatten)]
+    json: JsonArgs,
 }
 
 pub fn run(args: &DevicesArgs) -> Result<(), Failure> {
     if args.check {
+        if args.json.wanted() {
+            return Err(Failure::Input(anyhow!(
+                "the report of --check is a text to be sent as it is: leave --json out"
+            )));
+        }
         return check(args.adapter.as_deref());
     }
-    say!("CPU, {} threads", rayon::current_num_threads());
+    if args.json.wanted() {
+        args.json.print(&object()?);
+        return Ok(());
+    }
+    let threads = rayon::current_num_threads();
+    print_line!("CPU, {threads} thread{}", if threads == 1 { "" } else { "s" });
     for (rank, set) in InstructionSet::available().into_iter().enumerate() {
         let used = if rank == 0 { "  (used)" } else { "" };
-        say!(
+        print_line!(
             "  {}: {} lanes of f64, {} of f32{used}",
             set.name(),
             set.lanes(Precision::F64),
@@ -40,14 +54,33 @@ pub fn run(args: &DevicesArgs) -> Result<(), Failure> {
         );
     }
     let adapters = adapters();
-    say!("GPU adapters: {}", if adapters.is_empty() { "none" } else { "" });
+    print_line!("GPU adapters: {}", if adapters.is_empty() { "none" } else { "" });
     for adapter in &adapters {
-        say!("  {adapter}");
+        print_line!("  {adapter}");
     }
     let experiment = Request::default().resolve().expect("the default experiment is valid");
     let choice = choice::choose(&experiment).map_err(Failure::backend)?;
-    say!("auto picks {}:\n  {}", choice.backends.active().device(), choice.reason);
+    print_line!("auto picks {}:\n  {}", choice.backends.active().device(), choice.reason);
     Ok(())
+}
+
+fn object() -> Result<Value, Failure> {
+    let sets = InstructionSet::available().into_iter().map(|set| {
+        json!({
+            "name": set.name(),
+            "lanes_f64": set.lanes(Precision::F64),
+            "lanes_f32": set.lanes(Precision::F32),
+        })
+    });
+    let experiment = Request::default().resolve().map_err(Failure::input)?;
+    let choice = choice::choose(&experiment).map_err(Failure::backend)?;
+    Ok(json!({
+        "program": PROGRAM,
+        "threads": rayon::current_num_threads(),
+        "instruction_sets": sets.collect::<Vec<_>>(),
+        "adapters": adapters().iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "auto": { "device": choice.backends.active().device(), "reason": choice.reason },
+    }))
 }
 
 fn check(adapter: Option<&str>) -> Result<(), Failure> {
@@ -57,13 +90,13 @@ fn check(adapter: Option<&str>) -> Result<(), Failure> {
             .map_err(Failure::backend)
     };
     let mut gpu = open()?;
-    say!("{PROGRAM}, {} {}", std::env::consts::OS, std::env::consts::ARCH);
-    say!("{}", gpu.context().description());
+    print_line!("{PROGRAM}, {} {}", std::env::consts::OS, std::env::consts::ARCH);
+    print_line!("{}", gpu.context().description());
     let mut cpu = CpuBackend::new(Precision::F32);
     let twins = twins::compare(&mut gpu, &mut cpu).map_err(Failure::backend)?;
-    say!("twins:  {} random instances against {}", twins.instances, cpu.device());
+    print_line!("twins:  {} random instances against {}", twins.instances, cpu.device());
     for (what, [median, largest]) in [("state", twins.state), ("growth", twins.growth)] {
-        say!("        {what:<7} differs by {median:.1e} in the median, {largest:.1e} at most");
+        print_line!("        {what:<7} differs by {median:.1e} in the median, {largest:.1e} at most");
     }
 
     let mut request = Request {
@@ -78,8 +111,8 @@ fn check(adapter: Option<&str>) -> Result<(), Failure> {
     let experiment = request.resolve().expect("the experiment is valid");
     let mut map = ParameterMap::new(experiment).expect("it has two axes");
     let indices: Vec<usize> = (0..map.experiment.design.len()).collect();
-    progress::catch_interrupt();
-    let observer = &mut |_: tribochaos::engine::Event<'_>| progress::until_interrupted();
+    progress::catch_signals();
+    let observer = &mut |_: tribochaos::engine::Event<'_>| progress::until_stopped();
     let interrupted = || Failure::Interrupted("the check is not finished".into());
     let measurements = Backends::new(Box::new(gpu), None)
         .measure(&map.experiment.design, &map.experiment.settings, &indices, observer)
@@ -91,9 +124,9 @@ fn check(adapter: Option<&str>) -> Result<(), Failure> {
     let audit = audit::audit(&map, indices.len(), observer)
         .map_err(Failure::backend)?
         .ok_or_else(interrupted)?;
-    say_on!("{}", report::audit(&audit));
+    print_text!("{}", report::audit(&audit));
     if twins.agree() && audit.passes() {
-        say!("the GPU computes rightly");
+        print_line!("the GPU computes rightly");
         Ok(())
     } else {
         Err(Failure::Run(anyhow!(

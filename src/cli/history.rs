@@ -21,7 +21,7 @@ use super::{Failure, si};
 /// The point is followed from its initial state by radau, on the CPU in f64, over 30 forcing periods (--periods); without
 /// heat and wear the pressure stays 1.
 #[derive(Args)]
-#[command(after_help = request::parameter_table())]
+#[command(after_long_help = request::parameter_table())]
 pub struct HistoryArgs {
     /// Samples in a forcing period, in equal steps
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(4..=4096))]
@@ -146,7 +146,7 @@ pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
         row
     });
     files.table("", &notes, columns, rows)?;
-    if args.out.json {
+    if args.out.json.wanted() {
         let mut object = object(&experiment, periods, last, status, &contact);
         if scales.is_some() {
             object["si"] = si::contact(&at, &contact);
@@ -263,7 +263,7 @@ fn object(experiment: &Experiment, periods: u32, last: &Sample, status: Status, 
 }
 
 fn print(at: &Fixed, end: f64, contact: &Contact) {
-    say!(
+    print_line!(
         "followed            to tau = {end:.4}{}",
         si::behind(at, end, Scale::Time)
     );

@@ -220,17 +220,17 @@ impl Estimate {
         let (states, longest) = (survival.states(), survival.longest);
         let at = &experiment.design.fixed;
         let period = experiment.design.point(0).forcing_period();
-        say!();
+        print_line!();
         match self.decay {
             Decay::Exponential(fit) => {
                 let digits = fit.decimals();
-                say!(
+                print_line!(
                     "mean lifetime       {:.digits$} +- {:.digits$} forcing periods{}",
                     fit.lifetime,
                     fit.error,
                     si::behind(at, period * fit.lifetime, Scale::Time)
                 );
-                say!(
+                print_line!(
                     "                    from period {} on, where {} of {states} initial states are left: {} settle, {} last \
                      beyond {longest}",
                     fit.start,
@@ -239,7 +239,7 @@ impl Estimate {
                     survival.lasting
                 );
             }
-            Decay::Other => say!(
+            Decay::Other => print_line!(
                 "lifetime of chaos   none: {}; of {states} initial states half have settled after {}, all after {}",
                 if self.is_chaotic {
                     "the states do not decay exponentially"
@@ -253,17 +253,17 @@ impl Estimate {
                 start,
                 left,
                 least_lifetime,
-            } => say!(
+            } => print_line!(
                 "mean lifetime       above {least_lifetime:.2e} forcing periods{} with 95 % confidence: of {states} initial states \
                  {left} are left at period {start}, and none settles until {longest}",
                 si::behind(at, period * least_lifetime, Scale::Time)
             ),
         }
         if let Some([rate, error]) = self.exponent {
-            say!("exponent until then {rate:.6} +- {error:.6}  (of the motion before it settles)");
+            print_line!("exponent until then {rate:.6} +- {error:.6}  (of the motion before it settles)");
         }
         if self.given_up > 0 {
-            say!("left out            {} initial states, under-resolved", self.given_up);
+            print_line!("left out            {} initial states, under-resolved", self.given_up);
         }
         self.files.report(None);
     }

@@ -24,7 +24,7 @@ use super::{Failure, report};
 /// periods, too; the friction layer is resolved there (rk4 takes at least 4000 steps a period). How many values the axis has
 /// does not matter. Without an initial state by --start, --set or --preset, three are tried: (0.1, 0), (1, 0) and (-1, 0).
 #[derive(Args)]
-#[command(after_help = request::help())]
+#[command(after_long_help = request::help())]
 #[command(mut_arg("start", |start| start.help(START_HELP)))]
 pub struct LyapunovArgs {
     /// The parameter and its values, ends included [default: zeta_k=0:12:601]
@@ -102,7 +102,7 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
     let mut files = Files::claim(&args.out, "outputs/lyapunov", &[""], recipe)?;
     let mut choice = analysis::choose(&experiment)?;
 
-    progress::catch_interrupt();
+    progress::catch_signals();
     let started = Instant::now();
     let at = &experiment.design.fixed;
     let bar = Progress::new(engine::instance_periods(&settings, exponents), exponents);
@@ -119,11 +119,11 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
     let gaps = Gaps::of(&lines);
     draw(&mut files, args, &experiment, &lines, &onset)?;
     table(&mut files, &experiment, &lines)?;
-    if args.out.json {
+    if args.out.json.wanted() {
         files.report(Some(object(&experiment, &starts, &onset, &gaps)));
         return Ok(());
     }
-    say!(
+    print_line!(
         "{exponents} exponents in {}, each over {} periods after {}: {}",
         report::duration(started.elapsed()),
         settings.periods,
@@ -131,19 +131,19 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
         caption::scheme(&settings)
     );
     if gaps.under_resolved > 0 {
-        say!(
+        print_line!(
             "status: {} of {exponents} exponents were not measured, since their points are under-resolved: {}",
             gaps.under_resolved,
             report::remedy(&settings)
         );
     }
     if gaps.ran_away > 0 {
-        say!(
+        print_line!(
             "status: {} of {exponents} exponents were not measured, since the motion ran away",
             gaps.ran_away
         );
     }
-    say!("{}", onset.words(&experiment));
+    print_line!("{}", onset.words(&experiment));
     files.report(None);
     Ok(())
 }

@@ -14,22 +14,22 @@ use tribochaos::machine::{
 };
 use tribochaos::parameters::Parameter;
 
+use super::json::JsonArgs;
 use super::request::{self, SubjectArgs};
 use super::{Failure, analysis};
 
 /// Prints the dimensionless parameters, the scales that lead back to SI units, what is unlikely, and the logarithmic
 /// sensitivities d ln(group)/d ln(quantity): by how many per cent a group moves for one per cent of a quantity.
 #[derive(Args)]
-#[command(after_help = quantity_table())]
+#[command(after_long_help = quantity_table())]
 pub struct MachineArgs {
     /// The machine, as --template prints one
     file: Option<PathBuf>,
     /// Value of a quantity, over that of the file; may be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = request::assignment)]
     set: Vec<(Coordinate, f64)>,
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    json: JsonArgs,
     /// Print a complete file with comments, the machine of the paper's preset, and stop
     #[arg(long, conflicts_with_all = ["file", "set", "json", "materials"])]
     template: bool,
@@ -63,14 +63,14 @@ fn quantity_table() -> String {
 
 pub fn run(args: &MachineArgs) -> Result<(), Failure> {
     if args.template {
-        say_on!("{TEMPLATE}");
+        print_text!("{TEMPLATE}");
         return Ok(());
     }
     if args.materials {
-        if args.json {
-            say!("{:#}", materials_object());
+        if args.json.wanted() {
+            args.json.print(&materials_object());
         } else {
-            say_on!("{}", materials());
+            print_text!("{}", materials());
         }
         return Ok(());
     }
@@ -86,14 +86,14 @@ pub fn run(args: &MachineArgs) -> Result<(), Failure> {
     subject.apply(&mut request)?;
     let experiment = request.resolve_point().map_err(Failure::input)?;
     let machine = experiment.design.fixed.machine().ok_or_else(missing)?;
-    if args.json {
-        say!("{:#}", object(&experiment, machine));
+    if args.json.wanted() {
+        args.json.print(&object(&experiment, machine));
         return Ok(());
     }
     for warning in experiment.warnings() {
         eprintln!("warning: {warning}");
     }
-    say_on!("{}", words(&experiment, machine));
+    print_text!("{}", words(&experiment, machine));
     Ok(())
 }
 

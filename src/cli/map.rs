@@ -5,15 +5,18 @@ use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
 use clap::Args;
+use serde_json::{Value, json};
 use tribochaos::design::{Axis, Coordinate};
 use tribochaos::engine::audit::{self, Audit};
 use tribochaos::engine::choice::{self, Choice};
-use tribochaos::engine::{self, Cause, EngineError, Work, estimate};
+use tribochaos::engine::{self, Cause, EngineError, Sink, Table, Work, estimate};
 use tribochaos::experiment::{Experiment, Request};
-use tribochaos::output::picture::Style;
+use tribochaos::map::ParameterMap;
+use tribochaos::output::picture::{self, Style};
 use tribochaos::output::store::MapStore;
 use tribochaos::output::{drawing, png};
 
+use super::json::JsonArgs;
 use super::outputs::Outputs;
 use super::overlay::{self, Theory};
 use super::progress::{self, Progress};
@@ -22,12 +25,12 @@ use super::request::{self, ExperimentArgs};
 use super::{Failure, outputs};
 
 #[derive(Args)]
-#[command(after_help = request::help())]
+#[command(after_long_help = request::help())]
 pub struct MapArgs {
     /// Experiment in TOML, as --print-experiment writes it; options override it
     experiment_file: Option<PathBuf>,
-    /// Take the experiment from a picture that this program has drawn; options override it
-    #[arg(long, value_name = "PICTURE.PNG", conflicts_with = "experiment_file")]
+    /// Take the experiment from a picture that this program has drawn, or from a store; options override it
+    #[arg(long, value_name = "PICTURE.PNG|STORE.zarr", conflicts_with = "experiment_file")]
     from: Option<PathBuf>,
     /// Horizontal axis, ends included [default: zeta_k=0:12:300]
     #[arg(long, value_name = "NAME=START:STOP:COUNT", value_parser = request::axis)]
@@ -57,6 +60,8 @@ pub struct MapArgs {
     /// Print the resolved experiment as TOML, and stop
     #[arg(long)]
     print_experiment: bool,
+    #[command(flatten)]
+    json: JsonArgs,
 }
 
 /// Points of a GPU map that are audited by default.
@@ -97,11 +102,14 @@ impl MapArgs {
     }
 }
 
-/// The experiment in a picture, in TOML.
+/// The experiment in a picture or a store, in TOML.
 ///
 /// # Errors
 /// If there is none: that of another command is none of a map.
 fn experiment_in(picture: &Path) -> anyhow::Result<String> {
+    if picture.is_dir() {
+        return Ok(MapStore::open(picture)?.experiment().to_toml());
+    }
     png::read_experiment(picture).map_err(|error| {
         let recipe = drawing::read_recipe(picture).ok().flatten();
         let recipe = recipe.and_then(|recipe| recipe.parse::<toml::Table>().ok());
@@ -120,9 +128,9 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
     let experiment = request.resolve().map_err(Failure::input)?;
     if args.print_experiment {
         if let Some(out) = &request.out {
-            say_on!("out = {:?}\n", out.display().to_string());
+            print_text!("out = {:?}\n", out.display().to_string());
         }
-        say_on!("{}", experiment.to_toml());
+        print_text!("{}", experiment.to_toml());
         return Ok(());
     }
     for warning in experiment.warnings() {
@@ -132,35 +140,81 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
         overlay: overlay::curve(args.overlay, &experiment)?,
         ..Style::default()
     };
+    if let Err(error) = picture::check_size(&experiment, &style) {
+        eprintln!("warning: {error}; the store is written all the same");
+    }
     let outputs = Outputs::new(request.out.as_deref().unwrap_or("outputs/map".as_ref()));
     let choice = choice::choose(&experiment).map_err(Failure::backend)?;
     if args.dry_run {
-        outputs.check(&experiment, args.force).map_err(Failure::Input)?;
-        return dry_run(&experiment, choice, &outputs);
+        let store = outputs.check(&experiment, args.force).map_err(Failure::Input)?;
+        return dry_run(&experiment, choice, &outputs, store.as_ref());
+    }
+    if args.json.wanted() && request.out.is_none() {
+        return run_in_memory(&experiment, choice, args.json);
     }
     let unit = choice.backends.points_per_unit(&experiment);
     let mut store = outputs.open(&experiment, unit, args.force).map_err(Failure::Input)?;
-    say!("{}\n{}", report::plan(&experiment), report::device(&choice));
+    let is_for_people = !args.json.wanted();
+    if is_for_people {
+        print_line!("{}\n{}", report::plan(&experiment), report::device(&choice));
+    }
 
-    progress::catch_interrupt();
+    progress::catch_signals();
     let started = Instant::now();
     let work = compute(&experiment, choice, &mut store)?;
     let elapsed = started.elapsed();
 
     let map = store.read_map().map_err(Failure::run)?;
     let audit = audit_map(&map, &experiment, &mut store)?;
-    let files = outputs.draw(&map, &style).map_err(Failure::Run)?;
-    say_on!("{}", report::summary(&map, &work, elapsed, &store.devices()));
+    let mut files = outputs.draw(&map, &style).map_err(Failure::Run)?;
+    files.push(outputs.store());
     for warning in map.beyond_limits() {
         eprintln!("warning: {warning}");
     }
-    if let Some(audit) = audit {
-        say_on!("{}", report::audit(&audit));
+    if is_for_people {
+        print_text!("{}", report::summary(&map, &work, elapsed, &store.devices()));
+        if let Some(audit) = audit {
+            print_text!("{}", report::audit(&audit));
+        }
+        for file in files {
+            print_line!("wrote {}", file.display());
+        }
+        return Ok(());
     }
-    for file in files.iter().chain([&outputs.store()]) {
-        say!("wrote {}", file.display());
-    }
+    let mut object = object(&map, &work, elapsed, &store.devices());
+    object["audit"] = json!(audit);
+    object["files"] = files.iter().map(|file| file.display().to_string()).collect();
+    args.json.print(&object);
     Ok(())
+}
+
+/// Computes a map of which only the object is wanted.
+fn run_in_memory(experiment: &Experiment, choice: Choice, json: JsonArgs) -> Result<(), Failure> {
+    let mut backends = choice.backends;
+    let points = experiment.design.len();
+    let progress = Progress::new(engine::instance_periods(&experiment.settings, points), points);
+    let mut table = Table::new(experiment.clone(), backends.points_per_unit(experiment));
+    progress::catch_signals();
+    let started = Instant::now();
+    let work = engine::run_on(&mut backends, experiment, &mut table, &mut |event| progress.hear(event));
+    let work = work.map_err(|error| match error.cause {
+        Cause::Stopped => Failure::Interrupted("nothing is kept without --out".to_owned()),
+        Cause::Backend(error) => Failure::backend(error),
+        Cause::Sink(error) => Failure::Run(anyhow!(error)),
+    })?;
+    drop(progress);
+    let map = ParameterMap::try_from(table.into_results()).map_err(Failure::input)?;
+    json.print(&object(&map, &work, started.elapsed(), &[backends.active().device()]));
+    Ok(())
+}
+
+fn object(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[String]) -> Value {
+    let mut object = report::object(map);
+    object["computed_now"] = work.points.into();
+    object["instance_periods"] = work.instance_periods.into();
+    object["seconds"] = elapsed.as_secs_f64().into();
+    object["devices"] = json!(devices);
+    object
 }
 
 /// Computes what the store lacks; returns how much that was.
@@ -179,10 +233,10 @@ fn compute(experiment: &Experiment, choice: Choice, store: &mut MapStore) -> Res
             )
         };
         match cause {
-            Cause::Stopped => Failure::Interrupted(kept("stopped by Ctrl-C")),
+            Cause::Stopped => Failure::Interrupted(kept("the map is not finished")),
             Cause::Sink(error) => Failure::Run(anyhow!(error)),
             Cause::Backend(error) => match Failure::backend(error) {
-                Failure::Run(error) => Failure::Run(anyhow!(kept(&super::told(&error)))),
+                Failure::Run(error) => Failure::Run(anyhow!(kept(&super::with_causes(&error)))),
                 other => other,
             },
         }
@@ -190,11 +244,7 @@ fn compute(experiment: &Experiment, choice: Choice, store: &mut MapStore) -> Res
 }
 
 /// Audits the map as the settings ask, and stores what came out.
-fn audit_map(
-    map: &tribochaos::map::ParameterMap,
-    experiment: &Experiment,
-    store: &mut MapStore,
-) -> Result<Option<Audit>, Failure> {
+fn audit_map(map: &ParameterMap, experiment: &Experiment, store: &mut MapStore) -> Result<Option<Audit>, Failure> {
     let points = experiment
         .settings
         .audit
@@ -208,7 +258,7 @@ fn audit_map(
             store.path().display()
         ))
     };
-    let audit = audit::audit(map, points as usize, &mut |_| progress::until_interrupted())
+    let audit = audit::audit(map, points as usize, &mut |_| progress::until_stopped())
         .map_err(Failure::backend)?
         .ok_or_else(interrupted)?;
     let value = serde_json::to_value(&audit).map_err(Failure::run)?;
@@ -216,10 +266,29 @@ fn audit_map(
     Ok(Some(audit))
 }
 
-fn dry_run(experiment: &Experiment, mut choice: Choice, outputs: &outputs::Outputs) -> Result<(), Failure> {
-    say!("{}\n{}", report::plan(experiment), report::device(&choice));
-    let seconds = estimate::seconds(&mut choice.backends, experiment).map_err(Failure::backend)?;
-    say!("about {}", report::duration(Duration::from_secs_f64(seconds)));
-    say!("would write {}", outputs.store().display());
+/// Says what would be done, given the store to go on with, if there is one.
+fn dry_run(
+    experiment: &Experiment,
+    mut choice: Choice,
+    outputs: &outputs::Outputs,
+    store: Option<&MapStore>,
+) -> Result<(), Failure> {
+    print_line!("{}\n{}", report::plan(experiment), report::device(&choice));
+    let points = experiment.design.len();
+    let mut left = points;
+    if let Some(store) = store {
+        for unit in 0..store.units() {
+            if Sink::is_finished(store, unit).map_err(|error| Failure::Run(anyhow!(error)))? {
+                left -= store.points(unit).len();
+            }
+        }
+        print_line!("{left} of {points} points are left to compute");
+    }
+    if left > 0 {
+        let seconds = estimate::seconds(&mut choice.backends, experiment).map_err(Failure::backend)?;
+        let seconds = seconds * left as f64 / points as f64;
+        print_line!("about {}", report::duration(Duration::from_secs_f64(seconds)));
+    }
+    print_line!("would write {}", outputs.store().display());
     Ok(())
 }

@@ -21,7 +21,7 @@ use super::{Failure, request};
 /// it changes sign, chaos may occur. Only parameters of the reduced model enter; epsilon, epsilon_0 and the initial state do
 /// not.
 #[derive(Args)]
-#[command(after_help = request::parameter_table())]
+#[command(after_long_help = request::parameter_table())]
 pub struct MelnikovArgs {
     #[command(flatten)]
     subject: SubjectArgs,
@@ -181,7 +181,7 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
             threshold: melnikov::threshold(point, &along).map_err(Failure::input)?,
             defect: defect(function, low, high),
         };
-        if args.out.json {
+        if args.out.json.wanted() {
             objects.push(summary.object()?);
         } else {
             summary.print(args.at.as_ref());
@@ -232,9 +232,14 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
                 [over.value(index), threshold.value().unwrap_or(f64::NAN), below, above]
             }),
         )?;
-        report_curve(&curve, args.out.json.then_some(&mut object));
+        report_curve(&curve, args.out.json.wanted().then_some(&mut object));
     }
-    files.report(args.out.json.then(|| analysis::with_machine(object, &experiment)));
+    files.report(
+        args.out
+            .json
+            .wanted()
+            .then(|| analysis::with_machine(object, &experiment)),
+    );
     Ok(())
 }
 
@@ -319,17 +324,17 @@ impl Summary<'_> {
     fn print(&self, values: Option<&Values>) {
         if let Some(values) = values {
             let value = analysis::value_of(self.point, values.coordinate);
-            say!("{} = {value}", values.coordinate);
+            print_line!("{} = {value}", values.coordinate);
         }
         let e = &self.extremes;
-        say!("least M             {:.6} at tau0 = {:.6}", e.minimum, e.minimum_at);
-        say!("greatest M          {:.6} at tau0 = {:.6}", e.maximum, e.maximum_at);
-        say!(
+        print_line!("least M             {:.6} at tau0 = {:.6}", e.minimum, e.minimum_at);
+        print_line!("greatest M          {:.6} at tau0 = {:.6}", e.maximum, e.maximum_at);
+        print_line!(
             "M changes sign      {}",
             if e.change_sign() { "yes: chaos may occur" } else { "no" }
         );
-        say!("threshold           {}", self.place());
-        say!("closed form less quadrature: {:.1e} at most\n", self.defect);
+        print_line!("threshold           {}", self.place());
+        print_line!("closed form less quadrature: {:.1e} at most\n", self.defect);
     }
 
     fn object(&self) -> Result<Value, Failure> {
@@ -374,7 +379,7 @@ fn report_curve(curve: &Curve, object: Option<&mut Value>) {
                 .filter(|(count, _)| *count > 0)
                 .map(|(count, what)| format!("at {count} of {values} values {what}"))
                 .collect();
-            say!("over {name}: {}\n", told.join(", "));
+            print_line!("over {name}: {}\n", told.join(", "));
         }
     }
     if begins + ceases == 0 {

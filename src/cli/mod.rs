@@ -2,27 +2,30 @@
 //!
 //! Owns everything that is typed or printed; computes nothing itself.
 
-/// Prints a line. A reader that has gone away is no reason to lose a computation.
-macro_rules! say {
-    ($($arguments:tt)*) => {{
-        use std::io::Write as _;
-        let _ = writeln!(std::io::stdout(), $($arguments)*);
-    }};
+/// Prints a line to standard output.
+macro_rules! print_line {
+    () => {
+        $crate::cli::print::print(format_args!("\n"))
+    };
+    ($($arguments:tt)+) => {
+        $crate::cli::print::print(format_args!("{}\n", format_args!($($arguments)+)))
+    };
 }
 
-/// As `say`, without an end of line.
-macro_rules! say_on {
-    ($($arguments:tt)*) => {{
-        use std::io::Write as _;
-        let _ = write!(std::io::stdout(), $($arguments)*);
-    }};
+/// Prints text to standard output as it is.
+macro_rules! print_text {
+    ($($arguments:tt)*) => {
+        $crate::cli::print::print(format_args!($($arguments)*))
+    };
 }
 
 mod analysis;
 mod bench;
 mod bifurcation;
+mod completions;
 mod devices;
 mod history;
+mod json;
 mod lifetime;
 mod lyapunov;
 mod machine;
@@ -34,6 +37,7 @@ mod overlay;
 mod phase;
 mod poincare;
 mod point;
+mod print;
 mod progress;
 mod render;
 mod report;
@@ -43,6 +47,7 @@ mod si;
 
 use std::process::ExitCode;
 
+use anyhow::anyhow;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use tribochaos::backend::BackendError;
 use tribochaos::experiment::{BackendChoice, Request};
@@ -84,6 +89,8 @@ enum Command {
     Bench(bench::BenchArgs),
     /// Tell which GPU adapters and CPU instructions there are, and which one `auto` picks
     Devices(devices::DevicesArgs),
+    /// Print the completions of a shell, or write a man page for each command
+    Completions(completions::CompletionsArgs),
 }
 
 /// Why a command did not end well; decides the exit code.
@@ -93,7 +100,7 @@ enum Failure {
     Input(anyhow::Error),
     /// Something broke on the way: exit code 1.
     Run(anyhow::Error),
-    /// Ctrl-C: exit code 130.
+    /// A signal: exit code 128 and its number, 130 for Ctrl-C.
     Interrupted(String),
 }
 
@@ -116,8 +123,8 @@ impl Failure {
     }
 }
 
-/// An error with its causes. Many tell their cause themselves, to say behind it what to do: no cause is told twice.
-fn told(error: &anyhow::Error) -> String {
+/// An error with its causes. Many errors name their cause themselves, before they say what to do. No cause is repeated.
+fn with_causes(error: &anyhow::Error) -> String {
     let mut text = String::new();
     for cause in error.chain().map(ToString::to_string) {
         if !text.contains(&cause) {
@@ -153,8 +160,13 @@ fn command() -> clap::Command {
 }
 
 pub fn main() -> ExitCode {
-    let matches = command().get_matches();
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let parsed = command()
+        .try_get_matches()
+        .and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = match parsed {
+        Ok(cli) => cli,
+        Err(error) => return answer(&error),
+    };
     let result = match cli.command {
         Command::Map(args) => map::run(&args),
         Command::Point(args) => point::run(&args),
@@ -169,20 +181,44 @@ pub fn main() -> ExitCode {
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Devices(args) => devices::run(&args),
+        Command::Completions(args) => completions::run(&args, command()),
+    };
+    let result = match (result, print::lost()) {
+        (Ok(()), Some(reason)) => Err(Failure::Run(anyhow!(
+            "standard output cannot be written: {reason}; what was computed is in its files, what was printed is lost"
+        ))),
+        (result, _) => result,
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Input(error)) => {
-            eprintln!("error: {}", told(&error));
+            eprintln!("error: {}", with_causes(&error));
             ExitCode::from(2)
         }
         Err(Failure::Run(error)) => {
-            eprintln!("error: {}", told(&error));
+            eprintln!("error: {}", with_causes(&error));
             ExitCode::from(1)
         }
         Err(Failure::Interrupted(message)) => {
-            eprintln!("interrupted: {message}");
-            ExitCode::from(130)
+            let (name, code) = progress::stopped_by();
+            eprintln!("stopped by {name}: {message}");
+            ExitCode::from(code)
+        }
+    }
+}
+
+/// Prints help, the version, or what is wrong with the command line; the exit code.
+fn answer(error: &clap::Error) -> ExitCode {
+    let written = error.print();
+    if error.use_stderr() {
+        return ExitCode::from(2);
+    }
+    print::note(written);
+    match print::lost() {
+        None => ExitCode::SUCCESS,
+        Some(reason) => {
+            eprintln!("error: standard output cannot be written: {reason}");
+            ExitCode::from(1)
         }
     }
 }

@@ -20,7 +20,8 @@ use tribochaos::output::{PROGRAM, csv, png};
 /// # Errors
 /// If the file cannot be written, with the reason and what to do.
 pub fn check_writable(path: &Path) -> anyhow::Result<()> {
-    let mut folder = path.parent().unwrap_or("".as_ref());
+    let parent = path.parent().unwrap_or("".as_ref());
+    let mut folder = parent;
     while !folder.as_os_str().is_empty() && fs::symlink_metadata(folder).is_err() {
         folder = folder.parent().unwrap_or("".as_ref());
     }
@@ -28,6 +29,10 @@ pub fn check_writable(path: &Path) -> anyhow::Result<()> {
     hidden.push(path.file_name().unwrap_or_default());
     hidden.push(format!(".{}.part", std::process::id()));
     let trial = folder.join(hidden);
+    // the folder of the defaults is expected; another one may be mistyped
+    if folder != parent && parent != Path::new("outputs") {
+        eprintln!("note: the folder {} is not there, and is created", parent.display());
+    }
     File::create_new(&trial)
         .and_then(|_| fs::remove_file(&trial))
         .map_err(|error| {
@@ -36,6 +41,18 @@ pub fn check_writable(path: &Path) -> anyhow::Result<()> {
                 path.display()
             )
         })
+}
+
+/// A number of bytes in a unit in which it can be read.
+fn bytes(count: u64) -> String {
+    const UNITS: [&str; 5] = ["bytes", "kB", "MB", "GB", "TB"];
+    let rank = UNITS.len() - 1;
+    let rank = (0..rank)
+        .find(|&rank| (count as f64) < 1e3f64.powi(rank as i32 + 1))
+        .unwrap_or(rank);
+    let value = count as f64 / 1e3f64.powi(rank as i32);
+    let digits = usize::from(rank > 0 && value < 100.0);
+    format!("{value:.digits$} {}", UNITS[rank])
 }
 
 /// The path that all output names begin with.
@@ -83,10 +100,10 @@ impl Outputs {
         let free = store::free_space(&path).with_context(|| format!("cannot write {}", path.display()))?;
         if size > free {
             bail!(
-                "the store {} would take {:.1} GB, and the disk has {:.1} GB free: use fewer points or another disk",
+                "the store {} would take {}, and the disk has {} free: use fewer points or another disk",
                 path.display(),
-                size as f64 / 1e9,
-                free as f64 / 1e9
+                bytes(size),
+                bytes(free)
             );
         }
         if !path.exists() {
@@ -117,7 +134,6 @@ impl Outputs {
         if self.name.file_name().is_none() || text.ends_with(std::path::is_separator) {
             bail!("`{text}` names no file: give --out a name such as outputs/map");
         }
-        picture::check_size(experiment, &Style::default())?;
         let drawn = Quantity::drawn(experiment.wears());
         let pictures: Vec<PathBuf> = drawn.iter().map(|&quantity| self.picture(quantity)).collect();
         for file in pictures.into_iter().chain(self.border(experiment)) {
@@ -192,7 +208,9 @@ impl Outputs {
     /// Draws the pictures that a map has unless asked otherwise, and writes the border of chaos, if it has one; returns the files.
     pub fn draw(&self, map: &ParameterMap, style: &Style) -> anyhow::Result<Vec<PathBuf>> {
         let mut files = Vec::new();
-        for &quantity in Quantity::drawn(map.experiment.wears()) {
+        // of a map that is too large for a picture there are the store and the table
+        let fits = picture::check_size(&map.experiment, style).is_ok();
+        for &quantity in Quantity::drawn(map.experiment.wears()).iter().filter(|_| fits) {
             // limits are those of the exponent
             let limits = style.limits.filter(|_| quantity == Quantity::Lyapunov);
             let style = Style {
@@ -220,5 +238,24 @@ pub fn name_of_store(store: &Path) -> anyhow::Result<PathBuf> {
     match store.extension() {
         Some(extension) if extension == "zarr" => Ok(store.with_extension("")),
         _ => Err(anyhow!("{} is no store: its name should end in .zarr", store.display())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_shown_in_units_that_show_them() {
+        for (count, text) in [
+            (0, "0 bytes"),
+            (999, "999 bytes"),
+            (45_300, "45.3 kB"),
+            (9_400_000, "9.4 MB"),
+            (123_456_789_012, "123 GB"),
+            (5_000_000_000_000_000, "5000 TB"),
+        ] {
+            assert_eq!(bytes(count), text);
+        }
     }
 }

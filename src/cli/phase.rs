@@ -18,7 +18,7 @@ use super::{Failure, report};
 /// Orbits are integrated on the CPU in f64, with frictional heat where gamma is not 0. The default is 32 measured periods after
 /// 300.
 #[derive(Args)]
-#[command(after_help = request::parameter_table())]
+#[command(after_long_help = request::parameter_table())]
 pub struct PhaseArgs {
     /// Several values of a parameter, an orbit for each
     #[arg(long, value_name = "NAME=V1,V2,...", value_parser = analysis::values)]
@@ -145,6 +145,7 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
     files.report(
         args.out
             .json
+            .wanted()
             .then(|| analysis::with_machine(json!({ "orbits": objects }), &experiment)),
     );
     Ok(())

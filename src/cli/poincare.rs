@@ -20,7 +20,7 @@ use super::{Failure, report};
 /// Many orbits, begun within 1e-3 of (x0, y0), share the work; on a chaotic attractor they part within some tens of periods.
 /// The default is 500 periods of transient; measured periods follow from --points.
 #[derive(Args)]
-#[command(after_help = request::parameter_table())]
+#[command(after_long_help = request::parameter_table())]
 pub struct PoincareArgs {
     /// States at drive phase 0 in the section
     #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..=200_000_000))]
@@ -72,7 +72,7 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     let mut files = Files::claim(&args.out, "outputs/poincare", &[""], recipe)?;
     let mut choice = analysis::choose(&experiment)?;
 
-    progress::catch_interrupt();
+    progress::catch_signals();
     let started = Instant::now();
     let bar = Progress::new(
         u64::from(orbits) * u64::from(settings.transient_periods + settings.periods),
@@ -135,7 +135,7 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
         ["x", "y"],
         points.iter().copied(),
     )?;
-    if args.out.json {
+    if args.out.json.wanted() {
         let object = json!({
             "parameters": analysis::parameters(at.parameters()),
             "points": points.len(),
@@ -147,13 +147,13 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
         files.report(Some(analysis::with_machine(object, &experiment)));
         return Ok(());
     }
-    say!(
+    print_line!(
         "{} states in {}, {inside} of them in the frame, on {occupied} pixels",
         points.len(),
         report::duration(started.elapsed())
     );
     if inside == 0 {
-        say!(
+        print_line!(
             "no state lies in the window: all lie within --window {:.4}:{:.4},{:.4}:{:.4}",
             whole.x.low,
             whole.x.high,
@@ -162,7 +162,7 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
         );
     }
     if is_cycle {
-        say!("all states lie on so few pixels that they are those of a cycle, not of a chaotic attractor");
+        print_line!("all states lie on so few pixels that they are those of a cycle, not of a chaotic attractor");
     }
     files.report(None);
     Ok(())

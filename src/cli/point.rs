@@ -16,7 +16,7 @@ use super::{Failure, analysis, progress, report, si};
 
 /// One point is integrated on the CPU unless a GPU is asked for, since it would not fill one.
 #[derive(Args)]
-#[command(after_help = request::help())]
+#[command(after_long_help = request::help())]
 #[command(mut_arg("out", |arg| arg.requires("lifetime").help(OUT_HELP)))]
 #[command(mut_arg("force", |arg| arg.requires("lifetime")))]
 pub struct PointArgs {
@@ -49,10 +49,10 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
     }
     let plan = args.lifetime.plan(&experiment, &args.out)?;
     let mut backends = choice::choose(&experiment).map_err(Failure::backend)?.backends;
-    progress::catch_interrupt();
+    progress::catch_signals();
     let measured = backends
         .measure(&experiment.design, &experiment.settings, &[0], &mut |_| {
-            progress::until_interrupted()
+            progress::until_stopped()
         })
         .map_err(Failure::backend)?
         .ok_or_else(|| Failure::Interrupted("nothing was measured".into()))?;
@@ -75,12 +75,12 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
     let lifetime = plan
         .map(|plan| plan.carry_out(&experiment, &mut backends))
         .transpose()?;
-    if args.out.json {
+    if args.out.json.wanted() {
         let warnings = experiment.warnings().into_iter().chain(beyond);
         let object = object(&experiment, m, spectrum.as_ref(), warnings.collect());
         match lifetime {
             Some(lifetime) => lifetime.report_object(object, &experiment),
-            None => say!("{object:#}"),
+            None => args.out.json.print(&object),
         }
         return Ok(());
     }
@@ -157,9 +157,7 @@ fn by_default(experiment: &Experiment) -> Result<Option<Measurement>, Failure> {
         ..experiment.settings.clone()
     };
     let mut backends = Backends::new(Box::new(CpuBackend::new(Precision::F64)), None);
-    let measured = backends.measure(&experiment.design, &settings, &[0], &mut |_| {
-        progress::until_interrupted()
-    });
+    let measured = backends.measure(&experiment.design, &settings, &[0], &mut |_| progress::until_stopped());
     Ok(measured.map_err(Failure::backend)?.map(|measured| measured[0]))
 }
 
@@ -179,47 +177,47 @@ fn tried(by_default: &Measurement) -> String {
 
 fn print(experiment: &Experiment, m: &Measurement, by_default: Option<&Measurement>, spectrum: Option<&Spectrum>) {
     for (parameter, value) in experiment.fixed_parameters() {
-        say_on!("{parameter} = {value}  ");
+        print_text!("{parameter} = {value}  ");
     }
-    say!("\n");
+    print_line!("\n");
     let settings = &experiment.settings;
     match m.status {
         Status::Ok => {}
         Status::Runaway { time } => {
-            say!("ran away at tau = {time:.3}");
+            print_line!("ran away at tau = {time:.3}");
             return;
         }
         Status::UnderResolved => {
             let remedy = by_default.map_or_else(|| report::remedy(settings).to_owned(), tried);
-            say!("under-resolved, nothing was measured: {remedy}");
+            print_line!("under-resolved, nothing was measured: {remedy}");
             return;
         }
     }
     let at = &experiment.design.fixed;
-    say!(
+    print_line!(
         "class               {}",
         m.class.map_or("-", tribochaos::measure::Class::name)
     );
     if m.lyapunov_error.is_nan() {
-        say!(
+        print_line!(
             "maximal exponent    {:.6}  (of finite time, over {:.4} tau)",
             m.lyapunov,
             m.lyapunov_interval
         );
     } else {
-        say!("maximal exponent    {:.6} +- {:.6}", m.lyapunov, m.lyapunov_error);
+        print_line!("maximal exponent    {:.6} +- {:.6}", m.lyapunov, m.lyapunov_error);
     }
     if is_scheme_to_blame(m.scheme_error, m.lyapunov_error) {
-        say!(
+        print_line!(
             "                    (most of the error is the scheme's: {})",
             report::finer(settings)
         );
     }
     if m.is_on_limit_cycle() {
-        say!("                    (the mean divergence of a limit cycle; the zero along the flow is left out)");
+        print_line!("                    (the mean divergence of a limit cycle; the zero along the flow is left out)");
     } else if !m.divergence.is_nan() {
-        say!("second exponent     {:.6}", m.lyapunov_second);
-        say!(
+        print_line!("second exponent     {:.6}", m.lyapunov_second);
+        print_line!(
             "mean divergence     {:.6}  (sum of the exponents less this: {:.1e})",
             m.divergence,
             m.divergence_defect()
@@ -227,36 +225,36 @@ fn print(experiment: &Experiment, m: &Measurement, by_default: Option<&Measureme
     }
     if let Some(Spectrum { exponents, errors }) = spectrum {
         let exponents = std::array::from_fn::<_, 3, _>(|n| format!("{:.6} +- {:.6}", exponents[n], errors[n]));
-        say!(
+        print_line!(
             "by Gram-Schmidt     {}  (the paper's procedure, in its own run: {} periods after {})",
             exponents.join(", "),
             settings.periods,
             settings.transient_periods
         );
     }
-    say!(
+    print_line!(
         "period              {}{}",
         m.period.map_or("none found".to_owned(), |period| period.to_string()),
         si::frequency_behind(at, m.period)
     );
-    say!("x, y                {:.9} {:.9}  (last stroboscopic state)", m.x, m.y);
-    say!("extremes of x       {:.6} {:.6}", m.x_min, m.x_max);
+    print_line!("x, y                {:.9} {:.9}  (last stroboscopic state)", m.x, m.y);
+    print_line!("extremes of x       {:.6} {:.6}", m.x_min, m.x_max);
     if settings.scheme().carries_heat() {
         si::print_contact(at, &m.contact, "held to the end of the run");
     }
     if settings.initial_states > 1 {
-        say!(
+        print_line!(
             "chaotic fraction    {} of {} initial states",
             m.chaotic_fraction,
             settings.initial_states
         );
-        say!("attractors          {}", m.attractors);
-        say!(
+        print_line!("attractors          {}", m.attractors);
+        print_line!(
             "not settled         {:.0} % of the initial states",
             100.0 * m.unsettled_fraction
         );
     }
-    say!(
+    print_line!(
         "integrated on       {}, {}",
         m.backend.device_class(),
         m.backend.precision()

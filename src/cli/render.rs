@@ -9,9 +9,10 @@ use tribochaos::output::colour::ColourScale;
 use tribochaos::output::picture::Style;
 use tribochaos::output::store::MapStore;
 
+use super::json::JsonArgs;
 use super::outputs::{self, Outputs};
 use super::overlay::{self, Theory};
-use super::{Failure, request};
+use super::{Failure, report, request};
 
 #[derive(Args)]
 pub struct RenderArgs {
@@ -39,6 +40,8 @@ pub struct RenderArgs {
     /// Replace pictures of another experiment
     #[arg(long)]
     force: bool,
+    #[command(flatten)]
+    json: JsonArgs,
 }
 
 fn colours(name: &str) -> Result<ColourScale, String> {
@@ -53,6 +56,10 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let map = MapStore::open(&args.store)
         .and_then(|store| store.read_map())
         .map_err(Failure::input)?;
+    if args.json.wanted() && args.out.is_none() {
+        args.json.print(&report::object(&map));
+        return Ok(());
+    }
     let outputs = Outputs::new(args.out.as_deref().unwrap_or(&name));
     if !args.force {
         outputs.check_pictures(&map.experiment).map_err(Failure::Input)?;
@@ -79,8 +86,15 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             .map(|&quantity| outputs.draw_quantity(&map, quantity, &style))
             .collect()
     };
-    for file in files.map_err(Failure::Input)? {
-        say!("wrote {}", file.display());
+    let files = files.map_err(Failure::Input)?;
+    if args.json.wanted() {
+        let mut object = report::object(&map);
+        object["files"] = files.iter().map(|file| file.display().to_string()).collect();
+        args.json.print(&object);
+        return Ok(());
+    }
+    for file in files {
+        print_line!("wrote {}", file.display());
     }
     Ok(())
 }

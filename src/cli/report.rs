@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::time::Duration;
 
+use serde_json::{Value, json};
 use tribochaos::design::{Coordinate, Spacing};
 use tribochaos::engine::audit::Audit;
 use tribochaos::engine::choice::Choice;
@@ -96,6 +97,39 @@ pub fn duration(duration: Duration) -> String {
         s if s < 7200.0 => format!("{:.0} min", s / 60.0),
         s => format!("{:.1} h", s / 3600.0),
     }
+}
+
+/// Counts of a map's points by class and status, what is beyond the model's limits, and what the map is of, for `--json`.
+pub fn object(map: &ParameterMap) -> Value {
+    let points = map.experiment.design.len();
+    let count = |is: &dyn Fn(usize) -> bool| (0..points).filter(|&index| is(index)).count();
+    let classes: serde_json::Map<String, Value> = Class::ALL
+        .into_iter()
+        .map(|class| {
+            (
+                class.name().to_owned(),
+                count(&|index| map.class(index) == Some(class)).into(),
+            )
+        })
+        .collect();
+    let [runaway, under_resolved] = [
+        count(&|index| map.is_runaway(index)),
+        count(&|index| map.is_under_resolved(index)),
+    ];
+    let computed = count(&|index| map.is_computed(index));
+    let beyond: serde_json::Map<String, Value> = map
+        .shares_beyond_limits()
+        .into_iter()
+        .map(|(limit, share)| (limit.to_owned(), share.into()))
+        .collect();
+    json!({
+        "experiment": map.experiment.to_toml(),
+        "points": points,
+        "computed": computed,
+        "classes": classes,
+        "status": { "ok": computed - runaway - under_resolved, "runaway": runaway, "under_resolved": under_resolved },
+        "share_beyond_limits": beyond,
+    })
 }
 
 /// What a map came out as; `work` was done in `elapsed` on `devices`.

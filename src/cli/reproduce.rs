@@ -5,8 +5,10 @@ use std::time::Instant;
 
 use anyhow::anyhow;
 use clap::Args;
-use tribochaos::paper::{Effort, FIGURES, Figure, Files};
+use serde_json::{Value, json};
+use tribochaos::studies::paper::{Effort, FIGURES, Figure, Files};
 
+use super::json::JsonArgs;
 use super::progress;
 use super::{Failure, outputs, report};
 
@@ -25,6 +27,8 @@ pub struct ReproduceArgs {
     /// Compute figures again that are current, and replace full figures by quick ones, or quick ones by full ones
     #[arg(long)]
     force: bool,
+    #[command(flatten)]
+    json: JsonArgs,
 }
 
 fn figure(id: &str) -> Result<&'static Figure, String> {
@@ -44,7 +48,11 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Failure> {
             folder.display()
         )));
     }
-    outputs::check_writable(&folder.join("table.md")).map_err(Failure::Input)?;
+    let is_for_people = !args.json.wanted();
+    let writes = is_for_people || args.out.is_some();
+    if writes {
+        outputs::check_writable(&folder.join("table.md")).map_err(Failure::Input)?;
+    }
     let files = Files::new(folder, effort);
     let figures: Vec<&Figure> = if args.figure.is_empty() {
         FIGURES.iter().collect()
@@ -53,6 +61,7 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Failure> {
     };
     if let Some(figure) = figures.iter().find(|figure| files.is_of_other_effort(figure))
         && !args.force
+        && writes
     {
         return Err(Failure::Input(anyhow!(
             "{} holds {} figure {}: give another --out, or --force to replace it",
@@ -61,15 +70,22 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Failure> {
             figure.id
         )));
     }
-    progress::catch_interrupt();
+    progress::catch_signals();
+    let mut objects = Vec::new();
+    let mut object = |figure: &Figure, rows: Value| objects.push(json!({ "figure": figure.id, "rows": rows }));
     for figure in figures {
-        if !args.force && files.current(figure).is_some() {
-            say!("figure {} is current", figure.id);
+        if !args.force
+            && let Some(kept) = files.current(figure)
+        {
+            object(figure, json!(kept.rows));
+            if is_for_people {
+                print_line!("figure {} is current", figure.id);
+            }
             continue;
         }
         let started = Instant::now();
         let outcome = figure
-            .compute(effort, &mut progress::until_interrupted)
+            .compute(effort, &mut progress::until_stopped)
             .map_err(Failure::run)?
             .ok_or_else(|| {
                 Failure::Interrupted(format!(
@@ -77,13 +93,27 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Failure> {
                     figure.id
                 ))
             })?;
+        object(figure, json!(outcome.rows));
+        if !writes {
+            continue;
+        }
         let written = files.write(figure, &outcome).map_err(Failure::run)?;
-        say!("figure {} in {}", figure.id, report::duration(started.elapsed()));
-        for file in written {
-            say!("wrote {}", file.display());
+        if is_for_people {
+            print_line!("figure {} in {}", figure.id, report::duration(started.elapsed()));
+            for file in written {
+                print_line!("wrote {}", file.display());
+            }
         }
     }
-    let (table, path) = files.write_table().map_err(Failure::run)?;
-    say!("wrote {}\n\n{table}", path.display());
+    let mut object = json!({ "figures": objects });
+    if writes {
+        let (table, path) = files.write_table().map_err(Failure::run)?;
+        if is_for_people {
+            print_line!("wrote {}\n\n{table}", path.display());
+            return Ok(());
+        }
+        object["table"] = path.display().to_string().into();
+    }
+    args.json.print(&object);
     Ok(())
 }

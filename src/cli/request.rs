@@ -14,7 +14,7 @@ use tribochaos::design::{Axis, Coordinate};
 use tribochaos::dynamics::stroboscope::LEAST_WINDOW;
 use tribochaos::experiment::{BackendChoice, InitialBox, Precision, Preset, Request, Scheme, Settings};
 use tribochaos::machine::{Description, governing};
-use tribochaos::measure::{CHAOTIC_GROWTH, DEFECT_BOUND, QUASI_PERIODIC_BOUND, QUASI_PERIODIC_ERROR};
+use tribochaos::measure::{CHAOTIC_GROWTH, DEFECT_BOUND, DEFECT_FLOOR, QUASI_PERIODIC_BOUND, QUASI_PERIODIC_ERROR};
 use tribochaos::model::motion::RUNAWAY_BOUND;
 use tribochaos::parameters::{PARAMETERS, Parameter};
 
@@ -242,7 +242,10 @@ pub fn assignment(text: &str) -> Result<(Coordinate, f64), String> {
     let malformed = || format!("`{text}` sets nothing: write NAME=VALUE, for example h1=0.5");
     let (name, value) = text.split_once('=').ok_or_else(malformed)?;
     let coordinate = Coordinate::from_name(name.trim()).map_err(|error| error.to_string())?;
-    let value = value.trim().parse().map_err(|_| malformed())?;
+    let value = value.trim();
+    let value = value
+        .parse()
+        .map_err(|_| format!("`{value}` is no number: write {coordinate}=VALUE, for example {coordinate}=0.5"))?;
     coordinate.check(value).map_err(|error| error.to_string())?;
     Ok((coordinate, value))
 }
@@ -258,16 +261,16 @@ pub fn parameter_table() -> String {
     let mut help = String::from("Parameters (dimensionless; any of them can be an axis or be set):\n");
     for info in PARAMETERS {
         let (min, max) = info.range;
-        let range = format!("{min}..{max}");
         let _ = writeln!(
             help,
-            "  {:<10} {:<3} default {:<5} range {:<14} {} {}",
-            info.name, info.symbol, info.default, range, info.meaning, info.source
+            "  {:<12} default {:<5} range {min}..{max}\n      {}: {} {}",
+            info.name, info.default, info.symbol, info.meaning, info.source
         );
     }
     help.push_str(
-        "\nWith --machine most of them follow from quantities in SI units, which can then be axes or be set; `tribochaos\n\
-         machine --template` lists those. epsilon_0, ramp_rate, x0 and y0 stay free.\n",
+        "\nWith --machine most of them follow from quantities in SI units, which can then\n\
+         be axes or be set; `tribochaos machine --template` lists those. epsilon_0,\n\
+         ramp_rate, x0 and y0 stay free.\n",
     );
     help
 }
@@ -277,18 +280,21 @@ pub fn help() -> String {
     let mut help = parameter_table();
     let _ = write!(
         help,
-        "\nClasses, by the maximal exponent L (the larger non-trivial one) and its standard error S:\n  \
-         chaotic         L - 3 S > 0, and a disturbance grew by more than {growth} over the measurement\n  \
-         regular         L + 3 S < 0, or settled on an attracting cycle of at most --max-period over the\n  \
-                          last {LEAST_WINDOW} periods, and twice over\n  \
-         quasi-periodic  no such cycle, |L| < {QUASI_PERIODIC_BOUND:e} by a weighted Birkhoff average, and \
-         S < {QUASI_PERIODIC_ERROR:e}\n  \
-         unstable        on such a cycle, or at rest, and never left although disturbances grow at the same rate in every\n  \
-                          period: no attractor\n  \
+        "\nClasses, by the maximal exponent L (the larger non-trivial one) and its standard\n\
+         error S, in this order:\n  \
+         regular         on a cycle that attracts, of at most --max-period over the last\n                  \
+                         {LEAST_WINDOW} periods, and twice over\n  \
+         unstable        on a cycle, or at rest, where disturbances grow at the same rate\n                  \
+                         in every period: no attractor\n  \
+         chaotic         L - 3 S > 0, and a disturbance grew by more than {growth} over the\n                  \
+                         measurement\n  \
+         regular         L + 3 S < 0\n  \
+         quasi_periodic  no such cycle, |L| < {QUASI_PERIODIC_BOUND:e} by a weighted Birkhoff average, and\n                  \
+                         S < {QUASI_PERIODIC_ERROR:e}\n  \
          undecided       all else\n\
-         An orbit that settles on an attracting cycle after a chaotic transient is regular. A run away to\n\
-         |x| + |y| >= {RUNAWAY_BOUND:e}, or a sum of exponents that misses the mean divergence by more than {DEFECT_BOUND:e}\n\
-         (under-resolved), has a status of its own and no class.\n",
+         Without a class are orbits that run away to |x| + |y| >= {RUNAWAY_BOUND:e}, and points\n\
+         whose exponents miss the mean divergence D by more than\n\
+         {DEFECT_BOUND:e} |D| + {DEFECT_FLOOR:e} (under-resolved).\n",
         growth = match CHAOTIC_GROWTH {
             1.0 => "e".to_owned(),
             power => format!("e^{power}"),

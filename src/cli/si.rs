@@ -25,13 +25,13 @@ pub fn behind(at: &Fixed, value: f64, scale: Scale) -> String {
 pub fn print_contact(at: &Fixed, contact: &Contact, held: &str) {
     let behind = |value: f64, scale: Scale| behind(at, value, scale);
     match contact.lost {
-        Some(time) => say!(
+        Some(time) => print_line!(
             "contact             lost at tau = {time:.4}{}",
             behind(time, Scale::Time)
         ),
-        None => say!("contact             {held}"),
+        None => print_line!("contact             {held}"),
     }
-    say!(
+    print_line!(
         "peak pressure       {:.5}{} at tau = {:.4}{}",
         contact.peak_pressure,
         behind(contact.peak_pressure, Scale::Pressure),
@@ -39,9 +39,9 @@ pub fn print_contact(at: &Fixed, contact: &Contact, held: &str) {
         behind(contact.peak_pressure_time, Scale::Time)
     );
     let wear = contact.final_wear;
-    say!("final wear          {wear:.5}{}", behind(wear, Scale::Length));
+    print_line!("final wear          {wear:.5}{}", behind(wear, Scale::Length));
     let temperature = contact.peak_temperature;
-    say!(
+    print_line!(
         "peak temperature    {temperature:.3}{}  (of the surface{})",
         behind(temperature, Scale::Temperature),
         if at.machine().is_some() {

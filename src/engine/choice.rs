@@ -3,9 +3,8 @@
 //! Owns the meaning of `auto`, `gpu` and `cpu`; integrates nothing.
 
 use super::Backends;
+use crate::backend::BackendError;
 use crate::backend::cpu::CpuBackend;
-use crate::backend::gpu::{GpuBackend, GpuContext, adapters};
-use crate::backend::{Backend, BackendError};
 use crate::experiment::{BackendChoice, Experiment, Precision};
 
 /// The chosen backend with its fall-back, and the reason for the choice in a sentence.
@@ -26,16 +25,9 @@ pub fn choose(experiment: &Experiment) -> Result<Choice, BackendError> {
         backends: Backends::new(cpu(), None),
         reason,
     };
-    let adapter = settings.adapter.as_deref();
     match settings.backend {
         BackendChoice::Cpu => Ok(on_cpu("the CPU was asked for".into())),
-        BackendChoice::Gpu => {
-            let gpu = GpuBackend::new(GpuContext::open(adapter, true)?);
-            Ok(Choice {
-                backends: Backends::new(Box::new(gpu), None),
-                reason: "a GPU was asked for".into(),
-            })
-        }
+        BackendChoice::Gpu => gpu::asked_for(settings.adapter.as_deref()),
         BackendChoice::Auto => {
             if settings.precision == Some(Precision::F64) {
                 return Ok(on_cpu("f64 was asked for, which only the CPU has".into()));
@@ -43,27 +35,71 @@ pub fn choose(experiment: &Experiment) -> Result<Choice, BackendError> {
             if let Err(error) = experiment.check_f32() {
                 return Ok(on_cpu(error.to_string()));
             }
-            if let Some(name) = adapter
-                && !adapters().iter().any(|adapter| adapter.is_named(name))
-            {
-                return Err(BackendError::Unsupported(format!(
-                    "no GPU adapter has `{name}` in its name; `tribochaos devices` lists those that are there"
-                )));
-            }
-            Ok(match GpuContext::open(adapter, false) {
-                Ok(context) => {
-                    let gpu = GpuBackend::new(context);
-                    let reason = format!("a hardware GPU is there: {}", gpu.device());
-                    Choice {
-                        backends: Backends::new(Box::new(gpu), Some(cpu())),
-                        reason,
-                    }
-                }
-                Err(BackendError::NoDevice(_)) => {
-                    on_cpu("no hardware GPU was found; `tribochaos devices` tells what there is".into())
-                }
-                Err(error) => on_cpu(error.to_string()),
-            })
+            let found = gpu::if_there(settings.adapter.as_deref(), cpu())?;
+            Ok(found.unwrap_or_else(on_cpu))
         }
+    }
+}
+
+#[cfg(feature = "gpu")]
+mod gpu {
+    //! GPUs that can be chosen.
+
+    use super::Choice;
+    use crate::backend::gpu::{GpuBackend, GpuContext, adapters};
+    use crate::backend::{Backend, BackendError};
+    use crate::engine::Backends;
+
+    /// The adapter of this name, or the first, be it a software adapter.
+    pub fn asked_for(adapter: Option<&str>) -> Result<Choice, BackendError> {
+        let gpu = GpuBackend::new(GpuContext::open(adapter, true)?);
+        Ok(Choice {
+            backends: Backends::new(Box::new(gpu), None),
+            reason: "a GPU was asked for".into(),
+        })
+    }
+
+    /// A hardware GPU with a fall-back, or why there is none.
+    pub fn if_there(adapter: Option<&str>, fallback: Box<dyn Backend>) -> Result<Result<Choice, String>, BackendError> {
+        if let Some(name) = adapter
+            && !adapters().iter().any(|adapter| adapter.is_named(name))
+        {
+            return Err(BackendError::Unsupported(format!(
+                "no GPU adapter has `{name}` in its name; `tribochaos devices` lists those that are there"
+            )));
+        }
+        Ok(match GpuContext::open(adapter, false) {
+            Ok(context) => {
+                let gpu = GpuBackend::new(context);
+                let reason = format!("a hardware GPU is there: {}", gpu.device());
+                Ok(Choice {
+                    backends: Backends::new(Box::new(gpu), Some(fallback)),
+                    reason,
+                })
+            }
+            Err(BackendError::NoDevice(_)) => Err("no hardware GPU was found".into()),
+            Err(error) => Err(error.to_string()),
+        })
+    }
+}
+
+#[cfg(not(feature = "gpu"))]
+mod gpu {
+    //! A build without GPUs.
+
+    use super::Choice;
+    use crate::backend::{Backend, BackendError};
+
+    const NONE: &str = "this build has no GPU backend: it was made without the feature `gpu`";
+
+    pub fn asked_for(_adapter: Option<&str>) -> Result<Choice, BackendError> {
+        Err(BackendError::Unsupported(NONE.into()))
+    }
+
+    pub fn if_there(
+        _adapter: Option<&str>,
+        _fallback: Box<dyn Backend>,
+    ) -> Result<Result<Choice, String>, BackendError> {
+        Ok(Err(NONE.into()))
     }
 }

@@ -57,7 +57,19 @@ fn bad_requests_are_refused_with_a_reason() {
         ("[settings]\nscheme = \"euler\"", "rk4"),
         (
             "[y]\nparameter = \"zeta_k\"\nstart = 0\nstop = 1\ncount = 5",
-            "different parameters",
+            "two axes are zeta_k",
+        ),
+        (
+            "points = {columns = ['h1'], rows = [[0.1], [2000]]}",
+            "row 2, column h1: h1 = 2000 is out of range",
+        ),
+        (
+            "axes = []\npoints = {columns = ['h1'], rows = [[0.1], [0.2, 0.3]]}",
+            "row 2 has 2 values for 1 columns",
+        ),
+        (
+            "axes = []\npoints = {columns = ['h1'], rows = [[0.1]]}",
+            "axes and points: leave one of the two out",
         ),
         ("[settings.initial_box]\nx = [1, -1]\ny = [0, 1]", "lower end first"),
     ] {
@@ -165,7 +177,7 @@ fn what_does_not_go_with_a_machine_is_refused_with_a_reason() {
         ),
         (
             format!("{}[machine]\n{machine}", axes("damping", "damping")),
-            "both axes are damping",
+            "two axes are damping",
         ),
         (
             format!("{}[machine]\nshaft_radius = 1e-3", axes("x0", "damping")),
@@ -223,7 +235,7 @@ fn a_misspelt_name_in_a_file_is_reported_with_its_line() {
     for toml in [
         "[set]\nh1 = 0.5\nzetak = 3.9\n",
         "[settings]\nperiods = 99\nperiode = 99\n",
-        "[x]\nstart = 0\nparameter = \"zetak\"\nstop = 1\ncount = 5\n",
+        "[[axes]]\nstart = 0\nparameter = \"zetak\"\nstop = 1\ncount = 5\n",
     ] {
         let message = Request::from_toml(toml).unwrap_err().to_string();
         assert!(message.contains("at line 3, "), "{message}");
@@ -254,4 +266,35 @@ fn slow_conduction_asks_for_more_heat_modes() {
     assert_eq!(warnings(0.024, Some(24)), "");
     assert_eq!(warnings(0.024, None), "");
     assert!(warnings(0.001, None).contains("even 64 modes"));
+}
+
+#[test]
+fn what_version_0_1_wrote_is_still_read() {
+    let old = "[x]\nparameter = 'zeta_k'\nstart = 3.0\nstop = 5.0\ncount = 11\n[set]\nb = 2.0\n";
+    let request = Request::from_toml(old).unwrap();
+    let [x, y] = &request.axes.as_ref().unwrap()[..] else {
+        panic!("two axes")
+    };
+    assert_eq!(*x, Axis::parse("zeta_k=3:5:11").unwrap());
+    assert_eq!(*y, Request::default_map()[1]);
+    assert_eq!(request.set["b"], 2.0);
+}
+
+#[test]
+fn an_experiment_of_any_design_is_read_back_from_its_toml() {
+    for toml in [
+        "",
+        "axes = []",
+        "[[axes]]\nparameter = 'gamma'\nspacing = 'log'\nstart = 0.01\nstop = 1\ncount = 5",
+        "axes = [{parameter = 'h1', values = [0.1, 0.7]}, {parameter = 'b', start = 1, stop = 2, count = 3}, \
+         {parameter = 'x0', values = [0.0, 1.0]}]",
+        "points = {columns = ['h1', 'zeta_k'], rows = [[0.1, 3.0], [0.2, 4.5]]}",
+    ] {
+        let experiment = Request::from_toml(toml).unwrap().resolve().unwrap();
+        let again = Request::from_toml(&experiment.to_toml()).unwrap().resolve().unwrap();
+        assert_eq!(experiment, again, "{toml}");
+    }
+    let points = "points = {columns = ['h1', 'zeta_k'], rows = [[0.1, 3.0], [0.2, 4.5]]}";
+    let design = Request::from_toml(points).unwrap().resolve().unwrap().design;
+    assert_eq!((design.len(), design.point(1)[Parameter::ZetaK]), (2, 4.5));
 }

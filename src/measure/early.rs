@@ -50,8 +50,8 @@ const GROWN: f64 = 9.0;
 /// more periods give a smaller one.
 const LEAST_PERIODS: u32 = 192;
 
-/// Measures a batch of instances of constant contact pressure; `progress` hears of full-length runs, whatever they took.
-/// None if it broke the run off.
+/// Measures a batch of instances of constant contact pressure. `progress` is told of every instance as if it had run to its full
+/// length, also if it was decided early. None if `progress` stopped the run.
 ///
 /// # Errors
 /// If the backend fails.

@@ -7,29 +7,39 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-pub mod caption;
-pub mod charts;
-pub mod colour;
-mod colour_bar;
 pub mod csv;
-pub mod density;
-pub mod drawing;
-pub mod figure;
-pub mod histories;
-pub mod panel;
-pub mod picture;
-mod plot;
-pub mod png;
-mod raster;
-#[cfg(test)]
-mod samples;
-pub mod sheet;
+#[cfg(feature = "store")]
 pub mod store;
-pub mod survival;
-mod svg;
 pub mod table;
-mod text;
-mod ticks;
+
+/// Modules of pictures.
+macro_rules! pictures {
+    ($($visibility:vis mod $name:ident;)*) => {
+        $(#[cfg(feature = "pictures")] $visibility mod $name;)*
+    };
+}
+pictures! {
+    pub mod caption;
+    pub mod charts;
+    pub mod colour;
+    mod colour_bar;
+    pub mod density;
+    pub mod drawing;
+    pub mod figure;
+    pub mod histories;
+    pub mod panel;
+    pub mod picture;
+    mod plot;
+    pub mod png;
+    mod raster;
+    pub mod sheet;
+    pub mod survival;
+    mod svg;
+    mod text;
+    mod ticks;
+}
+#[cfg(all(test, feature = "pictures"))]
+mod samples;
 
 /// The program and its version, as outputs name it.
 pub const PROGRAM: &str = concat!("tribochaos ", env!("CARGO_PKG_VERSION"));

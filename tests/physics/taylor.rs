@@ -3,13 +3,13 @@
 use tribochaos::backend::BackendKind;
 use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
 use tribochaos::backend::{Backend, EndState, Slice, Stage};
-use tribochaos::benchmark::{self, accuracy::References};
 use tribochaos::dynamics::reference::{Reference, ReferenceOrbit};
 use tribochaos::dynamics::tangent::Vector;
 use tribochaos::dynamics::taylor::series::{Local, Series};
 use tribochaos::experiment::{Precision, Scheme, Settings};
 use tribochaos::measure::Status;
 use tribochaos::parameters::{Parameter, ParameterSet};
+use tribochaos::studies::benchmark::{self, accuracy::References};
 
 use crate::common::{PRECISIONS, Random, measure, pinned_settings, point};
 use crate::dual::Dual;

@@ -7,6 +7,8 @@
 //! scheme, number type and backend there is, and prints how many agree with the reference, and the points that do not as
 //! arguments of `tribochaos point`. A small part of it, and the validation of the reference itself, run without `--ignored`.
 
+#![cfg(feature = "gpu")]
+
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../gpu_context/mod.rs"]

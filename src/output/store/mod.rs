@@ -29,7 +29,7 @@ mod tile;
 pub use error::StoreError;
 pub use tile::{Tile, shape};
 
-/// Quantities that every point whose status is ok has.
+/// Quantities that have a value at every point whose status is ok.
 const NEVER_NAN: [Quantity; 8] = [
     Quantity::Lyapunov,
     Quantity::LyapunovInterval,
@@ -41,10 +41,10 @@ const NEVER_NAN: [Quantity; 8] = [
     Quantity::Backend,
 ];
 
-/// Those that are none under constant pressure...
+/// Quantities that have one besides if the contact pressure is constant.
 const NEVER_NAN_REDUCED: [Quantity; 2] = [Quantity::LyapunovSecond, Quantity::Divergence];
 
-/// ...and those that are none where nothing wears.
+/// Quantities that have one besides if nothing wears.
 const NEVER_NAN_LASTING: [Quantity; 3] = [Quantity::LyapunovError, Quantity::LyapunovBirkhoff, Quantity::Class];
 
 /// A map on disk, open for reading and writing.
