@@ -182,11 +182,6 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
     ("dynamics/adaptive/orbit", "pressure", "for histories"),
     ("dynamics/adaptive/orbit", "surface_temperature", "for histories"),
     ("dynamics/adaptive/orbit", "wear", "the host reads it from the fit"),
-    (
-        "dynamics/adaptive/events",
-        "running_mask",
-        "there are no lanes to wait for",
-    ),
     ("dynamics/tangent", "start", "the host starts the vectors"),
     (
         "dynamics/divergence_check",

@@ -57,7 +57,7 @@ pub struct CsvError {
     source: io::Error,
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "pictures"))]
 mod tests {
     use std::fs;
 
