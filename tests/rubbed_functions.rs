@@ -5,10 +5,11 @@
 mod gpu_context;
 mod probe;
 
-use tribochaos::backend::gpu::rubbed::shader_source;
+use tribochaos::backend::gpu::shader_source::{Kernel, Lanes, Shader, Shape};
 use tribochaos::dynamics::decay::{Decay, decay};
 use tribochaos::dynamics::dense::Cubic;
 use tribochaos::dynamics::radau::{self, Drive, Heat, Memory, NODES, Perturbation, Start};
+use tribochaos::experiment::Scheme;
 use tribochaos::lanes::Real;
 use tribochaos::model::rubbing::Rubbing;
 use tribochaos::parameters::Parameter;
@@ -22,11 +23,16 @@ const MODES: u32 = 2;
 
 fn probed<const I: usize, const O: usize>(probe: &str, samples: &[[f32; I]]) -> Option<Vec<[f32; O]>> {
     let context = gpu_context::open()?;
-    let source = shader_source::source(MODES) + probe;
+    let shader = Shader::of(Scheme::Radau);
+    let shape = Shape {
+        lanes: Lanes::One,
+        modes: Some(MODES),
+    };
+    let source = shader.source(shape) + probe;
     Some(evaluate(
         &context,
         &source,
-        &shader_source::constants(64, true),
+        &shader.constants(Kernel::Tangent, 64),
         1,
         samples,
     ))

@@ -7,16 +7,27 @@ mod reflection;
 
 use std::collections::BTreeMap;
 
-use naga::{AddressSpace, Module};
+use naga::Module;
 use tribochaos::backend::gpu::layout::Span;
-use tribochaos::backend::gpu::rubbed::layout::{HeatMode, Orbit, Parameters, Run, Totals, binding};
-use tribochaos::backend::gpu::rubbed::shader_source;
-use tribochaos::experiment::MAX_MODES;
+use tribochaos::backend::gpu::rubbed::layout::{BINDINGS, HeatMode, Orbit, Parameters, Run, Totals};
+use tribochaos::backend::gpu::shader_source::{Lanes, Shader, Shape};
+use tribochaos::experiment::{MAX_MODES, Scheme};
 
-use reflection::{Layout, READ, READ_WRITE, layout_of, parsed, validated};
+use reflection::{Layout, layout_of, parsed, validated};
+
+fn shader() -> &'static Shader {
+    Shader::of(Scheme::Radau)
+}
+
+fn source(modes: u32) -> String {
+    shader().source(Shape {
+        lanes: Lanes::One,
+        modes: Some(modes),
+    })
+}
 
 fn module(modes: u32) -> Module {
-    parsed(&shader_source::source(modes))
+    parsed(&source(modes))
 }
 
 fn rust_layouts() -> BTreeMap<&'static str, Layout> {
@@ -106,34 +117,21 @@ fn shared_structs_are_laid_out_alike() {
 
 #[test]
 fn bindings_have_the_host_s_numbers_and_kinds() {
-    reflection::assert_bindings(
-        &module(8),
-        [
-            (binding::RUN, "run", AddressSpace::Uniform),
-            (binding::SPAN, "span", AddressSpace::Uniform),
-            (binding::BIRKHOFF_WEIGHTS, "birkhoff_weights", READ),
-            (binding::PARAMETERS, "parameters", READ),
-            (binding::HEAT_MODES, "heat_modes", READ),
-            (binding::MODES, "mode_states", READ_WRITE),
-            (binding::LAST_STATES, "last_states", READ_WRITE),
-            (binding::ORBITS, "orbits", READ_WRITE),
-            (binding::TOTALS, "totals", READ_WRITE),
-        ],
-    );
+    reflection::assert_bindings(&module(8), &BINDINGS);
 }
 
 #[test]
 fn every_constant_is_set_and_the_kernel_exists() {
-    let constants = shader_source::constants(64, true);
-    reflection::assert_constants_and_kernels(&module(8), &constants, &[shader_source::ENTRY_POINT]);
+    reflection::assert_constants_and_kernels(&module(8), shader());
 }
 
 #[test]
 fn loops_over_modes_are_written_out_once_for_each() {
     for modes in [1, 12, 32] {
-        let source = shader_source::source(modes);
+        let source = source(modes);
         assert!(!source.contains("m < HEAT_MODES"));
-        let loops = shader_source::PIECES
+        let loops = shader()
+            .files
             .iter()
             .map(|(_, text)| text.matches("m < HEAT_MODES").count())
             .sum::<usize>();
@@ -142,17 +140,14 @@ fn loops_over_modes_are_written_out_once_for_each() {
             assert_eq!(source.matches(&format!("const m = {m}u;")).count(), loops);
         }
     }
-    assert!(shader_source::source(MAX_MODES).contains("m < HEAT_MODES"));
+    assert!(source(MAX_MODES).contains("m < HEAT_MODES"));
 }
 
 #[test]
 fn the_kernel_translates_to_every_target_language_for_every_number_of_modes() {
     for modes in [1, 12, 32, MAX_MODES] {
         let module = module(modes);
-        let info = validated(&module, &shader_source::source(modes));
-        for carries_tangent in [false, true] {
-            let constants = shader_source::constants(64, carries_tangent);
-            reflection::assert_translates(&module, &info, shader_source::ENTRY_POINT, &constants);
-        }
+        let info = validated(&module, &source(modes));
+        reflection::assert_translates(&module, &info, shader());
     }
 }

@@ -8,22 +8,26 @@ mod reflection;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 
-use naga::{AddressSpace, Module};
-use tribochaos::backend::gpu::layout::{self, Orbit, Parameters, Run, Span, Totals, binding};
-use tribochaos::backend::gpu::rubbed::shader_source as rubbed;
-use tribochaos::backend::gpu::shader_source::{Kernel, Lanes, Shader};
+use naga::Module;
+use tribochaos::backend::gpu::layout::Span;
+use tribochaos::backend::gpu::reduced::layout::{self, BINDINGS, Orbit, Parameters, Run, Totals};
+use tribochaos::backend::gpu::shader_source::{Lanes, Shader, Shape};
 use tribochaos::dynamics::taylor;
+use tribochaos::experiment::Scheme;
 
-use reflection::{Layout, READ, READ_WRITE, layout_of, parsed, validated};
+use reflection::{Layout, layout_of, parsed, validated};
 
-/// The text of every shader for every number of lanes.
-fn sources() -> impl Iterator<Item = String> {
-    Shader::all().flat_map(|(_, shader)| Lanes::ALL.map(|lanes| shader.source(lanes)))
+/// Every shader of the reduced model, and its text for every number of lanes.
+fn sources() -> impl Iterator<Item = (&'static Shader, String)> {
+    let shaders = [Scheme::Rk4, Scheme::Taylor].map(Shader::of);
+    shaders
+        .into_iter()
+        .flat_map(|shader| Lanes::ALL.map(|lanes| (shader, shader.source(Shape { lanes, modes: None }))))
 }
 
 /// The module of each.
 fn modules() -> impl Iterator<Item = Module> {
-    sources().map(|source| parsed(&source))
+    sources().map(|(_, source)| parsed(&source))
 }
 
 fn rust_layouts() -> BTreeMap<&'static str, Layout> {
@@ -91,20 +95,7 @@ fn bindings_have_the_host_s_numbers_and_kinds() {
             .iter()
             .all(|(_, global)| global.binding.is_some());
         assert!(all_bound, "there are no variables but those that are shared");
-        reflection::assert_bindings(
-            &module,
-            [
-                (binding::RUN, "run", AddressSpace::Uniform),
-                (binding::SPAN, "span", AddressSpace::Uniform),
-                (binding::DRIVE, "drive", AddressSpace::Uniform),
-                (binding::BIRKHOFF_WEIGHTS, "birkhoff_weights", READ),
-                (binding::PARAMETERS, "parameters", READ),
-                (binding::ORBITS, "orbits", READ_WRITE),
-                (binding::TANGENTS, "tangents", READ_WRITE),
-                (binding::TOTALS, "totals", READ_WRITE),
-                (binding::LAST_STATES, "last_states", READ_WRITE),
-            ],
-        );
+        reflection::assert_bindings(&module, &BINDINGS);
     }
 }
 
@@ -124,22 +115,17 @@ fn the_drive_table_is_as_long_as_the_host_makes_it() {
 
 #[test]
 fn every_constant_is_set_and_every_kernel_exists() {
-    let mut kernels = Kernel::ALL.map(Kernel::entry_point).to_vec();
-    // one that differs in a constant alone
-    kernels.dedup();
-    for module in modules() {
-        reflection::assert_constants_and_kernels(&module, &Kernel::Plain.constants(64), &kernels);
+    for (shader, source) in sources() {
+        reflection::assert_constants_and_kernels(&parsed(&source), shader);
     }
 }
 
 #[test]
 fn every_kernel_translates_to_every_target_language() {
-    for source in sources() {
+    for (shader, source) in sources() {
         let module = parsed(&source);
         let info = validated(&module, &source);
-        for kernel in Kernel::ALL {
-            reflection::assert_translates(&module, &info, kernel.entry_point(), &kernel.constants(64));
-        }
+        reflection::assert_translates(&module, &info, shader);
     }
 }
 
@@ -224,11 +210,10 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
     ("dynamics/stroboscope", "default", "the host allocates the states"),
 ];
 
-/// Name and text of every piece of a shader, once.
-fn pieces() -> BTreeMap<&'static str, &'static str> {
-    let all = Shader::all().flat_map(|(_, shader)| shader.pieces);
-    let of_lanes = Lanes::ALL.map(Lanes::piece);
-    all.chain(rubbed::PIECES).copied().chain(of_lanes).collect()
+/// Name and text of every file that shaders are made of, once.
+fn source_files() -> BTreeMap<&'static str, &'static str> {
+    let of_schemes = Scheme::ALL.into_iter().flat_map(|scheme| Shader::of(scheme).files);
+    of_schemes.copied().chain(Lanes::ALL.map(Lanes::file)).collect()
 }
 
 /// The names after `fn `, tests left out.
@@ -252,7 +237,7 @@ fn is_twin(wgsl: &str, rust: &str) -> bool {
 fn every_function_of_a_twin_exists_on_both_sides() {
     let root = env!("CARGO_MANIFEST_DIR");
     let mut pairs = 0;
-    for (name, wgsl) in pieces() {
+    for (name, wgsl) in source_files() {
         let stem = name.strip_suffix(".wgsl").unwrap();
         if !["model/", "dynamics/"].iter().any(|folder| stem.starts_with(folder)) {
             continue;
@@ -297,7 +282,7 @@ fn every_shader_file_is_compiled() {
             }
         }
     }
-    assert_eq!(files, pieces().into_keys().map(str::to_owned).collect());
+    assert_eq!(files, source_files().into_keys().map(str::to_owned).collect());
 }
 
 /// `TRIBOCHAOS_UPDATE_SHADERS=1` writes it anew instead.

@@ -1,11 +1,11 @@
 //! What a forcing period asks of a GPU: operations, counted in the shader by reflection, and values that a thread holds.
 //!
-//! `cargo test --test shader_cost -- --nocapture` prints the figures that the README's roofline estimate begins with.
+//! `cargo test --test shader_cost -- --nocapture` prints the figures that the roofline estimate in docs/speed.md begins with.
 
 #![cfg(feature = "gpu")]
 
 use naga::{BinaryOperator, Block, Expression, Function, Handle, MathFunction, Module, Statement, TypeInner};
-use tribochaos::backend::gpu::shader_source::{Lanes, Shader};
+use tribochaos::backend::gpu::shader_source::{Lanes, Shader, Shape};
 use tribochaos::dynamics::taylor::{self, COEFFICIENTS, Flow};
 use tribochaos::experiment::Scheme;
 use tribochaos::lanes::{Real, Ticks};
@@ -125,9 +125,12 @@ fn steps_per_period() -> f64 {
 }
 
 #[test]
-fn a_period_of_taylor_takes_the_operations_that_the_readme_tells() {
-    let shader = Shader::of(Scheme::Taylor).unwrap();
-    let module = naga::front::wgsl::parse_str(&shader.source(Lanes::One)).unwrap();
+fn a_period_of_taylor_takes_the_operations_that_the_manual_tells() {
+    let shape = Shape {
+        lanes: Lanes::One,
+        modes: None,
+    };
+    let module = naga::front::wgsl::parse_str(&Shader::of(Scheme::Taylor).source(shape)).unwrap();
     let steps = steps_per_period();
     let motion = of_named(&module, "taylor_step");
     let mut vectors = motion;
@@ -148,7 +151,7 @@ fn a_period_of_taylor_takes_the_operations_that_the_readme_tells() {
             steps * f64::from(operations.instructions)
         );
     }
-    let module = naga::front::wgsl::parse_str(&Shader::of(Scheme::Rk4).unwrap().source(Lanes::One)).unwrap();
+    let module = naga::front::wgsl::parse_str(&Shader::of(Scheme::Rk4).source(shape)).unwrap();
     let (rk4, rk4_steps) = (of_named(&module, "rk4_step"), Scheme::Rk4.default_steps_per_period());
     println!(
         "rk4, motion alone: {} flops and {} instructions a step, {} and {} a period",

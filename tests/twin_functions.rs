@@ -6,7 +6,7 @@ mod gpu_context;
 mod probe;
 
 use tribochaos::backend::gpu::GpuContext;
-use tribochaos::backend::gpu::shader_source::{Kernel, Lanes, Shader};
+use tribochaos::backend::gpu::shader_source::{Kernel, Lanes, Shader, Shape};
 use tribochaos::dynamics::rk4::{self, StageSpeeds, State, StepSize};
 use tribochaos::dynamics::tangent::{Bases, Vector};
 use tribochaos::dynamics::taylor::{self, COEFFICIENTS, Flow};
@@ -277,7 +277,7 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
             ] {
                 set = set.with(parameter, f64::from(noise.within(low, high)));
             }
-            let shared = tribochaos::backend::gpu::layout::Parameters::new(&set, &settings);
+            let shared = tribochaos::backend::gpu::reduced::layout::Parameters::new(&set, &settings);
             let parameters: [f32; 11] = bytemuck::cast(shared);
             let v = if noise.unit() < 0.5 {
                 shared.epsilon_0 * noise.within(-1.5, 1.5)
@@ -406,8 +406,8 @@ fn probed<const I: usize, const O: usize>(
     probe: &str,
     samples: &[[f32; I]],
 ) -> Vec<[f32; O]> {
-    let shader = Shader::of(scheme).expect("the scheme has a shader");
-    let source = shader.source(lanes) + probe;
-    let constants = Kernel::Checked.constants(64);
+    let shader = Shader::of(scheme);
+    let source = shader.source(Shape { lanes, modes: None }) + probe;
+    let constants = shader.constants(Kernel::Checked, 64);
     evaluate(context, &source, &constants, lanes.count() as usize, samples)
 }

@@ -1,4 +1,4 @@
-//! The README's tables of accuracy with heat and wear, over the whole range of zeta_k and near 4, at the paper's preset. Run
+//! The manual's tables of accuracy with heat and wear, over the whole range of zeta_k and near 4, at the paper's preset. Run
 //! by `cargo test --test physics convergence -- --ignored --nocapture`.
 
 use std::ops::ControlFlow;
@@ -92,7 +92,7 @@ fn head(what: &str) {
 }
 
 #[test]
-#[ignore = "it prints the README's tables"]
+#[ignore = "it prints the manual's tables"]
 fn convergence_tables() {
     head("zeta_k = 0..12");
     let measured = |precision, modes, tolerance| measure(WHOLE, precision, modes, tolerance);

@@ -8,6 +8,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use naga::back::{PipelineConstants, hlsl, msl, pipeline_constants, spv};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, GlobalVariable, Module, ScalarKind, ShaderStage, StorageAccess, TypeInner};
+use tribochaos::backend::gpu::layout::{Access, Binding};
+use tribochaos::backend::gpu::shader_source::{Kernel, Shader};
+
+/// Threads in the workgroups that are asked for.
+const WORKGROUP_SIZE: u32 = 64;
 
 pub fn parsed(source: &str) -> Module {
     naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(source)))
@@ -88,45 +93,62 @@ pub fn assert_layouts(module: &Module, rust: &BTreeMap<&'static str, Layout>) {
     assert!(compared.iter().eq(rust.keys()), "only {compared:?} were compared");
 }
 
-/// A storage binding that shaders only read.
-pub const READ: AddressSpace = AddressSpace::Storage {
-    access: StorageAccess::LOAD,
-};
+fn address_space(access: Access) -> AddressSpace {
+    match access {
+        Access::Uniform => AddressSpace::Uniform,
+        Access::Read => AddressSpace::Storage {
+            access: StorageAccess::LOAD,
+        },
+        Access::ReadWrite => AddressSpace::Storage {
+            access: StorageAccess::LOAD | StorageAccess::STORE,
+        },
+    }
+}
 
-/// A storage binding that they write as well.
-pub const READ_WRITE: AddressSpace = AddressSpace::Storage {
-    access: StorageAccess::LOAD.union(StorageAccess::STORE),
-};
-
-/// The bindings are these: number, name and kind of each.
-pub fn assert_bindings<const N: usize>(module: &Module, expected: [(u32, &str, AddressSpace); N]) {
+/// The bindings are the host's: number, name and access of each.
+pub fn assert_bindings(module: &Module, expected: &[Binding]) {
     let found: BTreeMap<_, _> = bound(module)
         .map(|(number, global)| (number, (global.name.as_deref().unwrap(), global.space)))
         .collect();
     assert_eq!(found.len(), bound(module).count(), "a number is bound twice");
-    assert_eq!(
-        found,
-        BTreeMap::from(expected.map(|(number, name, space)| (number, (name, space))))
-    );
+    let expected = expected
+        .iter()
+        .map(|it| (it.number, (it.name, address_space(it.access))));
+    assert_eq!(found, expected.collect());
 }
 
-/// Every `override` constant is set by the host, and none besides; the kernels are these.
-pub fn assert_constants_and_kernels(module: &Module, constants: &[(&'static str, f64)], kernels: &[&str]) {
+/// Every `override` constant is set by the host for every kernel, and none besides; the kernels are the host's.
+pub fn assert_constants_and_kernels(module: &Module, shader: &Shader) {
     let names: BTreeSet<_> = module
         .overrides
         .iter()
         .map(|(_, constant)| constant.name.as_deref().unwrap())
         .collect();
-    assert_eq!(names, constants.iter().map(|(name, _)| *name).collect());
-    let entry_points: Vec<_> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
-    assert_eq!(entry_points, kernels);
+    for kernel in shader.kernels() {
+        let set = shader.constants(kernel, WORKGROUP_SIZE);
+        assert_eq!(names, set.iter().map(|(name, _)| *name).collect());
+    }
+    let entry_points: BTreeSet<_> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
+    // some kernels differ in a constant alone
+    assert_eq!(
+        entry_points,
+        shader.kernels().map(|kernel| shader.entry_point(kernel)).collect()
+    );
 }
 
-/// The kernel `name` becomes SPIR-V, Metal's and DirectX's language with these constants, in workgroups of 64.
-pub fn assert_translates(module: &Module, info: &ModuleInfo, name: &str, constants: &[(&'static str, f64)]) {
-    let constants: PipelineConstants = constants
-        .iter()
-        .map(|(name, value)| ((*name).to_owned(), *value))
+/// Every kernel becomes SPIR-V, Metal's and DirectX's language.
+pub fn assert_translates(module: &Module, info: &ModuleInfo, shader: &Shader) {
+    for kernel in shader.kernels() {
+        assert_kernel_translates(module, info, shader, kernel);
+    }
+}
+
+fn assert_kernel_translates(module: &Module, info: &ModuleInfo, shader: &Shader, kernel: Kernel) {
+    let name = shader.entry_point(kernel);
+    let constants: PipelineConstants = shader
+        .constants(kernel, WORKGROUP_SIZE)
+        .into_iter()
+        .map(|(name, value)| (name.to_owned(), value))
         .collect();
     let entry = Some((ShaderStage::Compute, name));
     let (module, info) = pipeline_constants::process_overrides(module, info, entry, &constants).unwrap();
@@ -153,5 +175,5 @@ pub fn assert_translates(module: &Module, info: &ModuleInfo, name: &str, constan
     hlsl::Writer::new(&mut text, &hlsl::Options::default(), &options)
         .write(&module, &info, None)
         .unwrap();
-    assert!(text.contains("numthreads(64, 1, 1)"));
+    assert!(text.contains(&format!("numthreads({WORKGROUP_SIZE}, 1, 1)")));
 }

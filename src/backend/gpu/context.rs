@@ -1,4 +1,4 @@
-//! An open GPU: device, queue and compiled kernels, and what has gone wrong with them.
+//! An open GPU: device and queue, and what has gone wrong with them.
 //!
 //! Owns the device and turns every way it can fail into a [`BackendError`]; knows nothing of batches.
 
@@ -7,8 +7,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use super::adapter::{self, AdapterDescription};
-use super::layout::DRIVE_ENTRIES;
-use super::pipelines::Pipelines;
+use super::layout::{Access, Binding};
+use super::model;
 use super::shader_source::Lanes;
 use crate::backend::BackendError;
 
@@ -18,13 +18,14 @@ const WORKGROUP_SIZE: u32 = 64;
 /// A device that has not answered for so long is taken for lost. Dispatches last a tenth of a second.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// An open GPU with its compiled kernels.
+/// An open GPU, and how kernels are to be compiled for it.
 pub struct GpuContext {
     device: wgpu::Device,
     queue: wgpu::Queue,
     description: AdapterDescription,
     faults: Arc<Faults>,
-    pipelines: Pipelines,
+    workgroup_size: u32,
+    lanes: Lanes,
 }
 
 impl GpuContext {
@@ -59,13 +60,13 @@ impl GpuContext {
         }))
         .map_err(|error| BackendError::NoDevice(format!("{description} does not open: {error}")))?;
         let faults = Faults::watching(&device);
-        let pipelines = Pipelines::new(&device, workgroup_size, Lanes::suiting(description.is_software));
         let context = Self {
             device,
             queue,
+            lanes: Lanes::suiting(description.is_software),
             description,
             faults,
-            pipelines,
+            workgroup_size,
         };
         context.check()?;
         Ok(context)
@@ -74,8 +75,7 @@ impl GpuContext {
     /// The same with so many instances in a thread, whatever would suit the adapter.
     #[must_use]
     pub fn with_lanes(self, lanes: Lanes) -> Self {
-        let pipelines = Pipelines::new(&self.device, self.pipelines.workgroup_size(), lanes);
-        Self { pipelines, ..self }
+        Self { lanes, ..self }
     }
 
     pub fn description(&self) -> &AdapterDescription {
@@ -90,8 +90,14 @@ impl GpuContext {
         &self.queue
     }
 
-    pub(super) fn pipelines(&self) -> &Pipelines {
-        &self.pipelines
+    /// Threads in a workgroup.
+    pub(super) fn workgroup_size(&self) -> u32 {
+        self.workgroup_size
+    }
+
+    /// Instances of the reduced model in a thread.
+    pub(super) fn lanes(&self) -> Lanes {
+        self.lanes
     }
 
     /// Fails with what has gone wrong since the last call; wgpu's calls themselves report nothing.
@@ -138,6 +144,10 @@ fn check_limits(
     let workgroup = limits
         .max_compute_invocations_per_workgroup
         .min(limits.max_compute_workgroup_size_x);
+    let storage_buffers = |model: &&[Binding]| model.iter().filter(|it| it.access != Access::Uniform).count();
+    let uniforms = model::BINDINGS
+        .iter()
+        .flat_map(|model| model.iter().filter(|it| it.access == Access::Uniform));
     for (what, has, needs) in [
         (
             "threads in a workgroup",
@@ -147,12 +157,12 @@ fn check_limits(
         (
             "storage buffers in a kernel",
             limits.max_storage_buffers_per_shader_stage.into(),
-            7,
+            model::BINDINGS.iter().map(storage_buffers).max().unwrap_or(0) as u64,
         ),
         (
             "bytes in a uniform buffer",
             limits.max_uniform_buffer_binding_size,
-            (DRIVE_ENTRIES * size_of::<[f32; 4]>()) as u64,
+            uniforms.map(Binding::element).max().unwrap_or(0),
         ),
     ] {
         if has < needs {

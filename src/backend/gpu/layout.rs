@@ -1,69 +1,15 @@
-//! What host and device share in memory: the structs of `shaders/shared/bindings.wgsl`, field by field, and the
-//! bindings' numbers.
+//! What host and device share in memory whatever the model: the span of a dispatch, and what a model says of each of its
+//! buffers.
 //!
-//! Owns the passage from parameters and settings to these structs; neither allocates nor dispatches.
+//! Owns how large a buffer is; what is in those of a model, its own layout tells.
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::backend::Contact;
-use crate::backend::{EndState, Sums};
-use crate::dynamics::drive::DriveTable;
-use crate::dynamics::stroboscope;
-use crate::dynamics::taylor;
-use crate::experiment::{Scheme, Settings};
-use crate::parameters::{Parameter, ParameterSet};
+use crate::dynamics::{statistics, stroboscope};
+use crate::experiment::Settings;
 
-/// The bindings of group 0, as numbered in the shader.
-pub mod binding {
-    pub const RUN: u32 = 0;
-    pub const SPAN: u32 = 1;
-    pub const DRIVE: u32 = 2;
-    pub const BIRKHOFF_WEIGHTS: u32 = 3;
-    pub const PARAMETERS: u32 = 4;
-    pub const ORBITS: u32 = 5;
-    pub const TANGENTS: u32 = 6;
-    pub const TOTALS: u32 = 7;
-    pub const LAST_STATES: u32 = 8;
-}
-
-/// Entries of the drive table, as large as every device allows a uniform buffer to be (64 KiB).
-pub const DRIVE_ENTRIES: usize = 4096;
-
-/// The drive table holds two steps an entry.
-pub const MAX_STEPS_PER_PERIOD: u32 = 2 * DRIVE_ENTRIES as u32;
-
-/// Bytes of an instance's last stroboscopic states, its largest share of any one buffer.
-pub fn last_states_size(settings: &Settings) -> usize {
-    stroboscope::most_states(settings.max_period) as usize * size_of::<[f32; 2]>()
-}
-
-/// What all instances of a batch share.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Run {
-    pub instances: u32,
-    pub steps_per_period: u32,
-    pub renormalise_every: u32,
-    pub unrecorded: u32,
-    pub window: u32,
-    pub max_period: u32,
-    pub period_tolerance: f32,
-}
-
-impl Run {
-    pub fn new(settings: &Settings, instances: u32) -> Self {
-        let window = stroboscope::window(settings.periods, settings.max_period);
-        Self {
-            instances,
-            steps_per_period: settings.steps_per_period(),
-            renormalise_every: settings.renormalise_every,
-            unrecorded: settings.periods - window,
-            window,
-            max_period: settings.max_period,
-            period_tolerance: settings.period_tolerance as f32,
-        }
-    }
-}
+/// The binding of [`Span`], which every model has at the same place.
+pub(super) const SPAN: u32 = 1;
 
 /// The part of a slice that one dispatch carries out.
 #[repr(C)]
@@ -77,123 +23,89 @@ pub struct Span {
     pub measured: u32,
 }
 
-/// One instance's parameters.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Parameters {
-    pub zeta_k: f32,
-    pub h1: f32,
-    pub omega_k: f32,
-    pub b: f32,
-    pub epsilon: f32,
-    pub f_0: f32,
-    pub alpha: f32,
-    pub beta: f32,
-    pub epsilon_0: f32,
-    pub step_size: f32,
-    pub unit_of_time: f32,
+/// How kernels use a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    Uniform,
+    Read,
+    ReadWrite,
 }
 
-impl Parameters {
-    pub fn new(set: &ParameterSet, settings: &Settings) -> Self {
-        let value = |parameter| set[parameter] as f32;
-        let steps = settings.steps_per_period();
-        let step_size = match settings.scheme() {
-            Scheme::Taylor => taylor::longest_step(set, steps),
-            Scheme::Rk4 | Scheme::Radau => set.forcing_period() / f64::from(steps),
+/// How many elements a buffer has.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Count {
+    One,
+    /// One for each measured period.
+    Periods,
+    /// One for each instance.
+    Instances,
+    /// So many for each instance.
+    OfInstance(fn(&Settings) -> usize),
+}
+
+/// A buffer that the kernels of a model are bound to.
+#[derive(Clone, Copy, Debug)]
+pub struct Binding {
+    /// Within group 0 of the shader.
+    pub number: u32,
+    /// The shader's name of it.
+    pub name: &'static str,
+    pub access: Access,
+    /// Bytes of an element.
+    element: usize,
+    count: Count,
+}
+
+impl Binding {
+    /// A buffer of elements `T`.
+    pub(super) const fn of<T>(number: u32, name: &'static str, access: Access, count: Count) -> Self {
+        Self {
+            number,
+            name,
+            access,
+            element: size_of::<T>(),
+            count,
+        }
+    }
+
+    /// The least that a device may be asked to bind, in bytes.
+    pub(super) fn element(&self) -> u64 {
+        self.element as u64
+    }
+
+    /// Bytes of one instance, where it has its own.
+    pub(super) fn share(&self, settings: &Settings) -> u64 {
+        let elements = match self.count {
+            Count::One | Count::Periods => 0,
+            Count::Instances => 1,
+            Count::OfInstance(elements) => elements(settings),
         };
-        Self {
-            zeta_k: value(Parameter::ZetaK),
-            h1: value(Parameter::H1),
-            omega_k: value(Parameter::OmegaK),
-            b: value(Parameter::B),
-            epsilon: value(Parameter::Epsilon),
-            f_0: value(Parameter::F0),
-            alpha: value(Parameter::Alpha),
-            beta: value(Parameter::Beta),
-            epsilon_0: value(Parameter::Epsilon0),
-            step_size: step_size as f32,
-            unit_of_time: taylor::unit_of_time(set[Parameter::Omega0]) as f32,
+        (elements * self.element) as u64
+    }
+
+    /// Bytes for a batch of so many instances.
+    pub(super) fn size(&self, settings: &Settings, instances: usize) -> u64 {
+        match self.count {
+            Count::One => self.element(),
+            Count::Periods => u64::from(settings.periods) * self.element(),
+            // a binding has one element at least
+            Count::Instances | Count::OfInstance(_) => instances.max(1) as u64 * self.share(settings),
         }
     }
-}
 
-/// One instance as it is carried along.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Orbit {
-    pub x: f32,
-    pub y: f32,
-    pub x_min: f32,
-    pub x_max: f32,
-    pub period: u32,
-    pub runaway_period: u32,
-    pub under_resolved: u32,
-}
-
-impl Orbit {
-    /// The instance at the beginning of its run.
-    pub fn start(set: &ParameterSet) -> Self {
-        let x = set[Parameter::X0] as f32;
-        Self {
-            x,
-            y: set[Parameter::Y0] as f32,
-            x_min: x,
-            x_max: x,
-            period: 0,
-            runaway_period: 0,
-            under_resolved: u32::from(!taylor::is_layer_resolved::<f32>(set)),
-        }
+    /// Whether the host reads it: it is one of what kernels write and every instance has one of.
+    pub(super) fn is_read_back(&self) -> bool {
+        self.access == Access::ReadWrite && matches!(self.count, Count::Instances)
     }
 }
 
-/// One instance's tangent vector (X, Y), of length 1.
-pub type Tangent = [f32; 2];
-
-impl From<(Orbit, Tangent)> for EndState {
-    fn from((orbit, tangent): (Orbit, Tangent)) -> Self {
-        Self {
-            x: orbit.x.into(),
-            y: orbit.y.into(),
-            tangent: tangent.map(f64::from),
-            x_min: orbit.x_min.into(),
-            x_max: orbit.x_max.into(),
-            period: (orbit.period > 0).then_some(orbit.period),
-            runaway_periods: (orbit.runaway_period > 0).then_some(orbit.runaway_period.into()),
-            under_resolved: orbit.under_resolved > 0,
-            contact: Contact::CONSTANT,
-        }
-    }
+/// Elements of an instance's last stroboscopic states, each of them x and y.
+pub(super) fn last_states(settings: &Settings) -> usize {
+    stroboscope::most_states(settings.max_period) as usize
 }
 
-/// One instance's sums over measured periods since they were last collected.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Totals {
-    pub growth_first: f32,
-    pub growth_second: f32,
-    pub birkhoff: f32,
-    pub divergence: f32,
-}
-
-impl From<Totals> for Sums {
-    fn from(totals: Totals) -> Self {
-        Self {
-            growth: [totals.growth_first.into(), totals.growth_second.into()],
-            birkhoff: totals.birkhoff.into(),
-            divergence: totals.divergence.into(),
-        }
-    }
-}
-
-/// The drive table as the shader reads it: [middle, end] of two steps an entry, the rest zero.
-pub fn drive_entries(steps_per_period: u32) -> Vec<[[f32; 2]; 2]> {
-    let mut entries = vec![[[0.0; 2]; 2]; DRIVE_ENTRIES];
-    for (entry, steps) in entries
-        .iter_mut()
-        .zip(DriveTable::new::<f32>(steps_per_period).steps().chunks(2))
-    {
-        entry[..steps.len()].copy_from_slice(steps);
-    }
-    entries
+/// The weights of the Birkhoff average as a device takes them.
+pub(super) fn birkhoff_weights(settings: &Settings) -> Vec<f32> {
+    let weights = statistics::birkhoff_weights(settings.periods);
+    weights.into_iter().map(|weight| weight as f32).collect()
 }

@@ -18,23 +18,31 @@ const FIRST_STEPS: u64 = 1 << 22;
 /// during the first dispatch, makes single timings doubtful.
 const FASTEST_GROWTH: f64 = 8.0;
 
+/// What is known of a model's periods before any is dispatched.
+#[derive(Clone, Copy, Debug)]
+pub struct Pace {
+    pub steps_per_period: u32,
+    /// Most periods of a dispatch, however short they are.
+    pub most_periods: u32,
+    /// Whether a step takes as long in the next batch.
+    pub is_lasting: bool,
+}
+
 /// The batch that is dispatched in parts.
 #[derive(Clone, Copy, Debug)]
 pub struct Load {
+    pub pace: Pace,
     pub instances: u32,
-    pub steps_per_period: u32,
     /// Instances that a workgroup carries.
     pub workgroup_instances: u32,
     /// The device's limit of workgroups in a dispatch.
     pub max_workgroups: u32,
-    /// Most periods of a dispatch, however short they are.
-    pub most_periods: u32,
 }
 
 impl Load {
     /// Steps of one workgroup over so many periods.
     fn workgroup_steps(&self, periods: u32) -> u64 {
-        u64::from(self.workgroup_instances) * u64::from(self.steps_per_period) * u64::from(periods)
+        u64::from(self.workgroup_instances) * u64::from(self.pace.steps_per_period) * u64::from(periods)
     }
 }
 
@@ -64,7 +72,7 @@ impl Pacer {
     ) -> Result<(), E> {
         let mut done = 0;
         while done < slice.periods {
-            let periods = self.periods(load, (slice.periods - done).min(load.most_periods));
+            let periods = self.periods(load, (slice.periods - done).min(load.pace.most_periods));
             let mut first_instance = 0;
             while first_instance < load.instances {
                 let instances = self.instances(load, periods, load.instances - first_instance);
@@ -102,7 +110,7 @@ impl Pacer {
 
     /// Learns that a dispatch of so many periods of so many instances took `elapsed`.
     fn record(&mut self, load: &Load, periods: u32, instances: u32, elapsed: Duration) {
-        let steps = f64::from(periods) * f64::from(instances) * f64::from(load.steps_per_period);
+        let steps = f64::from(periods) * f64::from(instances) * f64::from(load.pace.steps_per_period);
         let factor = TARGET.as_secs_f64() / elapsed.as_secs_f64().max(1e-9);
         if elapsed > LONGEST {
             self.steps = (steps * factor) as u64;
@@ -119,11 +127,14 @@ mod tests {
     use crate::backend::Stage;
 
     const LOAD: Load = Load {
+        pace: Pace {
+            steps_per_period: 628,
+            most_periods: u32::MAX,
+            is_lasting: true,
+        },
         instances: 100_000,
-        steps_per_period: 628,
         workgroup_instances: 64,
         max_workgroups: 65535,
-        most_periods: u32::MAX,
     };
 
     /// Carries a batch on; returns each dispatch's size and duration on a device with so many seconds a step.
@@ -144,7 +155,7 @@ mod tests {
                 first_instance = 0;
                 done += span.periods;
             }
-            let steps = f64::from(span.periods) * f64::from(span.instances) * f64::from(load.steps_per_period);
+            let steps = f64::from(span.periods) * f64::from(span.instances) * f64::from(load.pace.steps_per_period);
             let seconds = steps * seconds_a_step;
             dispatches.push((span.periods, span.instances, seconds));
             Ok::<_, std::convert::Infallible>(Duration::from_secs_f64(seconds))

@@ -1,24 +1,22 @@
-//! The shaders as they are compiled, one a scheme and a number of lanes: pieces put together, and the constants taken from
-//! the host.
+//! Shaders as they are compiled: files put together in one text, and the constants taken from the host.
 //!
-//! Owns which pieces there are and in what order; knows nothing of devices.
+//! Owns how a text and its constants come about; which files a shader is made of, each model tells. Knows nothing of devices.
 
 use std::fmt::Write as _;
 
-use crate::dynamics::divergence_check::CHECKED_EVERY;
-use crate::dynamics::stroboscope::LEAST_WINDOW;
-use crate::dynamics::tangent::SMALLEST_SQUARE;
+use super::{reduced, rubbed};
 use crate::experiment::Scheme;
-use crate::model::motion::RUNAWAY_BOUND;
 
-/// Name, below `shaders/`, and text of a piece.
-pub type Piece = (&'static str, &'static str);
+/// Name, below `shaders/`, and text of a file.
+pub type SourceFile = (&'static str, &'static str);
 
-macro_rules! piece {
-    ($name:literal) => {
-        ($name, include_str!(concat!("../../../shaders/", $name)))
+/// The files of these names, below `shaders/`.
+macro_rules! source_files {
+    ($($name:literal)*) => {
+        &[$(($name, include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/", $name)))),*]
     };
 }
+pub(super) use source_files;
 
 /// Instances that a thread carries at once, each in a lane of the numbers that it computes with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,92 +45,111 @@ impl Lanes {
         }
     }
 
-    /// The types and functions that the other pieces are written in.
-    pub fn piece(self) -> Piece {
-        match self {
-            Self::One => piece!("shared/one_lane.wgsl"),
-            Self::Two => piece!("shared/two_lanes.wgsl"),
-        }
+    /// The types and functions that the other files are written in.
+    pub fn file(self) -> SourceFile {
+        let [file] = match self {
+            Self::One => source_files!("shared/one_lane.wgsl"),
+            Self::Two => source_files!("shared/two_lanes.wgsl"),
+        };
+        *file
     }
+}
+
+/// What a thread carries: lengths of arrays in a shader, which no `override` constant can be, and of loops in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape {
+    pub lanes: Lanes,
+    /// Heat modes of an instance, without the lumped one; None where the model has no heat.
+    pub modes: Option<u32>,
+}
+
+/// Heat modes over which loops are written out, at most, the lumped one among them.
+const MOST_WRITTEN_OUT: u32 = 33;
+
+/// A kernel of a shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kernel {
+    /// The motion alone.
+    Plain,
+    /// Motion and a tangent vector.
+    Tangent,
+    /// Motion and both tangent vectors, through checked periods.
+    Checked,
+}
+
+/// Where a kernel begins in its shader.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct EntryPoint {
+    pub kernel: Kernel,
+    pub name: &'static str,
+    /// The constant by which kernels of one name differ, and its value.
+    pub switch: (&'static str, bool),
 }
 
 /// The shader of a scheme.
 #[derive(Clone, Copy, Debug)]
 pub struct Shader {
-    /// All but that of the lanes.
-    pub pieces: &'static [Piece],
-}
-
-macro_rules! shader {
-    ($shader:ident: $($name:literal)*) => {
-        static $shader: Shader = Shader {
-            pieces: &[$(piece!($name)),*],
-        };
-    };
-}
-
-shader! {
-    RK4:
-    "shared/span.wgsl"
-    "shared/bindings.wgsl"
-    "shared/runaway.wgsl"
-    "shared/lanes.wgsl"
-    "model/friction.wgsl"
-    "model/motion.wgsl"
-    "dynamics/tangent.wgsl"
-    "dynamics/divergence_check.wgsl"
-    "dynamics/rk4.wgsl"
-    "dynamics/stroboscope.wgsl"
-    "kernels/rk4_plain.wgsl"
-    "kernels/rk4_tangent.wgsl"
-}
-
-shader! {
-    TAYLOR:
-    "shared/span.wgsl"
-    "shared/bindings.wgsl"
-    "shared/runaway.wgsl"
-    "shared/lanes.wgsl"
-    "model/friction.wgsl"
-    "model/motion.wgsl"
-    "dynamics/tangent.wgsl"
-    "dynamics/divergence_check.wgsl"
-    "generated/taylor.wgsl"
-    "dynamics/taylor.wgsl"
-    "dynamics/taylor/growth.wgsl"
-    "dynamics/stroboscope.wgsl"
-    "kernels/taylor_plain.wgsl"
-    "kernels/taylor_tangent.wgsl"
+    /// All but that of the lanes, which comes first.
+    pub files: &'static [SourceFile],
+    pub(super) entry_points: &'static [EntryPoint],
+    /// The `override` constants that all of its kernels share, so that each is defined in one place.
+    pub(super) constants: &'static [(&'static str, f64)],
 }
 
 impl Shader {
-    /// The shader of a scheme; None if it has no kernels on a GPU.
-    pub fn of(scheme: Scheme) -> Option<&'static Self> {
+    pub fn of(scheme: Scheme) -> &'static Self {
         match scheme {
-            Scheme::Rk4 => Some(&RK4),
-            Scheme::Taylor => Some(&TAYLOR),
-            Scheme::Radau => None,
+            Scheme::Rk4 => &reduced::shader_source::RK4,
+            Scheme::Taylor => &reduced::shader_source::TAYLOR,
+            Scheme::Radau => &rubbed::shader_source::RADAU,
         }
     }
 
-    /// The pieces in one text, for threads of so many lanes.
-    pub fn source(&self, lanes: Lanes) -> String {
-        let pieces = std::iter::once(lanes.piece()).chain(self.pieces.iter().copied());
-        let text = pieces.fold(String::new(), |text, (_, piece)| text + piece + "\n");
-        write_out(&text, "lane", "LANES", lanes.count())
+    /// The files in one text, for threads of this shape.
+    pub fn source(&self, shape: Shape) -> String {
+        let slots = shape.modes.map(rubbed::layout::slots);
+        let header = slots.map_or_else(String::new, |slots| format!("const HEAT_MODES: u32 = {slots}u;\n"));
+        let files = std::iter::once(shape.lanes.file()).chain(self.files.iter().copied());
+        let text = files.fold(header, |text, (_, file)| text + file + "\n");
+        let text = write_out(&text, "lane", "LANES", shape.lanes.count());
+        match slots {
+            Some(slots) if slots <= MOST_WRITTEN_OUT => write_out(&text, "m", "HEAT_MODES", slots),
+            _ => text,
+        }
     }
 
-    /// Every scheme's.
-    pub fn all() -> impl Iterator<Item = (Scheme, &'static Self)> {
-        Scheme::ALL
-            .into_iter()
-            .filter_map(|scheme| Some((scheme, Self::of(scheme)?)))
+    pub fn kernels(&self) -> impl Iterator<Item = Kernel> {
+        self.entry_points.iter().map(|entry_point| entry_point.kernel)
+    }
+
+    /// The name of a kernel.
+    ///
+    /// # Panics
+    /// As the next function, if the shader has no such kernel.
+    pub fn entry_point(&self, kernel: Kernel) -> &'static str {
+        self.find(kernel).name
+    }
+
+    /// Values of all `override` constants.
+    pub fn constants(&self, kernel: Kernel, workgroup_size: u32) -> Vec<(&'static str, f64)> {
+        let (switch, is_on) = self.find(kernel).switch;
+        let own = [
+            ("WORKGROUP_SIZE", f64::from(workgroup_size)),
+            (switch, f64::from(u8::from(is_on))),
+        ];
+        own.into_iter().chain(self.constants.iter().copied()).collect()
+    }
+
+    fn find(&self, kernel: Kernel) -> &EntryPoint {
+        let mut entry_points = self.entry_points.iter();
+        let found = entry_points.find(|entry_point| entry_point.kernel == kernel);
+        found.expect("the shader has this kernel")
     }
 }
 
 /// Writes the loops of `variable` from 0 to `end`, which is `count`, out: drivers do not do so themselves, and keep what is
 /// indexed by a variable in memory instead of registers.
-pub(super) fn write_out(text: &str, variable: &str, end: &str, count: u32) -> String {
+fn write_out(text: &str, variable: &str, end: &str, count: u32) -> String {
     let start = format!("for (var {variable} = 0u; {variable} < {end}; {variable}++) {{\n");
     let mut out = String::new();
     let mut rest = text;
@@ -150,38 +167,4 @@ pub(super) fn write_out(text: &str, variable: &str, end: &str, count: u32) -> St
         rest = after;
     }
     out + rest
-}
-
-/// A kernel of a scheme's shader.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kernel {
-    /// The motion alone.
-    Plain,
-    /// Motion and a tangent vector.
-    Tangent,
-    /// Motion and both tangent vectors, through checked periods.
-    Checked,
-}
-
-impl Kernel {
-    pub const ALL: [Self; 3] = [Self::Plain, Self::Tangent, Self::Checked];
-
-    pub fn entry_point(self) -> &'static str {
-        match self {
-            Self::Plain => "advance_plain",
-            Self::Tangent | Self::Checked => "advance_tangent",
-        }
-    }
-
-    /// Values of the shader's `override` constants, so that each is defined in one place.
-    pub fn constants(self, workgroup_size: u32) -> [(&'static str, f64); 6] {
-        [
-            ("WORKGROUP_SIZE", f64::from(workgroup_size)),
-            ("RUNAWAY_BOUND", RUNAWAY_BOUND),
-            ("SMALLEST_SQUARE", SMALLEST_SQUARE),
-            ("LEAST_WINDOW", f64::from(LEAST_WINDOW)),
-            ("CHECKED_EVERY", f64::from(CHECKED_EVERY)),
-            ("IS_CHECKED", f64::from(u8::from(self == Self::Checked))),
-        ]
-    }
 }

@@ -6,30 +6,63 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::backend::Contact;
-use crate::backend::{EndState, Sums};
+use super::super::layout::Access::{Read, ReadWrite, Uniform};
+use super::super::layout::{Binding, Count, Span, last_states};
+use crate::backend::{Contact, EndState, Sums};
 use crate::dynamics::adaptive::{self, Control, System, Tangent};
 use crate::dynamics::stroboscope;
 use crate::experiment::Settings;
 use crate::model::rubbing::HeatModes;
 use crate::parameters::{Parameter, ParameterSet};
 
-/// The bindings of group 0, as numbered in the shader.
-pub mod binding {
+/// The bindings' numbers, as in the shader.
+pub(super) mod binding {
+    pub(super) use crate::backend::gpu::layout::SPAN;
     pub const RUN: u32 = 0;
-    pub const SPAN: u32 = 1;
     pub const BIRKHOFF_WEIGHTS: u32 = 2;
     pub const PARAMETERS: u32 = 3;
     pub const HEAT_MODES: u32 = 4;
-    pub const MODES: u32 = 5;
+    pub const MODE_STATES: u32 = 5;
     pub const LAST_STATES: u32 = 6;
     pub const ORBITS: u32 = 7;
     pub const TOTALS: u32 = 8;
 }
 
+/// Everything that the shader binds.
+pub static BINDINGS: [Binding; 9] = [
+    Binding::of::<Run>(binding::RUN, "run", Uniform, Count::One),
+    Binding::of::<Span>(binding::SPAN, "span", Uniform, Count::One),
+    Binding::of::<f32>(binding::BIRKHOFF_WEIGHTS, "birkhoff_weights", Read, Count::Periods),
+    Binding::of::<Parameters>(binding::PARAMETERS, "parameters", Read, Count::Instances),
+    Binding::of::<HeatMode>(binding::HEAT_MODES, "heat_modes", Read, Count::OfInstance(heat_modes)),
+    Binding::of::<f32>(
+        binding::MODE_STATES,
+        "mode_states",
+        ReadWrite,
+        Count::OfInstance(mode_states),
+    ),
+    Binding::of::<[f32; 2]>(
+        binding::LAST_STATES,
+        "last_states",
+        ReadWrite,
+        Count::OfInstance(last_states),
+    ),
+    Binding::of::<Orbit>(binding::ORBITS, "orbits", ReadWrite, Count::Instances),
+    Binding::of::<Totals>(binding::TOTALS, "totals", ReadWrite, Count::Instances),
+];
+
 /// Heat modes of an instance: `modes` and the lumped one.
-pub fn slots(modes: u32) -> usize {
-    modes as usize + 1
+pub(in crate::backend::gpu) fn slots(modes: u32) -> u32 {
+    modes + 1
+}
+
+fn heat_modes(settings: &Settings) -> usize {
+    slots(settings.modes()) as usize
+}
+
+/// With those of the tangents.
+fn mode_states(settings: &Settings) -> usize {
+    2 * heat_modes(settings)
 }
 
 /// What all instances of a batch share.

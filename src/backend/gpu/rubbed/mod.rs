@@ -1,22 +1,20 @@
-//! The full model on a GPU: bushes whose contact pressure frictional heat and wear change.
+//! The full model on a GPU: bushes whose contact pressure frictional heat and wear change, by `radau`.
 //!
-//! Owns the passage of its batches through a device: kernels for the number of heat modes that is asked for, buffers, and
-//! dispatches.
+//! Owns what its buffers are filled with, which of its kernels carries a period on, and how results are read.
 
-mod buffers;
 pub mod layout;
-mod pipelines;
-pub mod shader_source;
+pub(super) mod shader_source;
 
-use std::time::{Duration, Instant};
-
-use self::buffers::Buffers;
-use self::pipelines::Pipelines;
+use self::layout::{HeatMode, Orbit, Parameters, Run, Totals, binding};
+use super::buffers::Buffers;
 use super::context::GpuContext;
-use super::layout::Span;
-use super::pacer::{Load, Pacer};
+use super::layout::{Binding, birkhoff_weights};
+use super::model::Model;
+use super::pacer::Pace;
+use super::shader_source::{Kernel, Lanes, Shape};
 use crate::backend::{BackendError, EndState, Slice, Stage, Sums};
 use crate::experiment::{MAX_MODES, Settings};
+use crate::model::rubbing::Spectra;
 use crate::parameters::ParameterSet;
 
 /// A forcing period in the units of the pacer, which are steps of a fixed scheme: some two hundred passes, each of them
@@ -27,108 +25,99 @@ const STEPS_PER_PERIOD: u32 = 6000;
 /// tenths of a second.
 const MOST_PERIODS: u32 = 4;
 
-/// A batch of the full model and the kernels that carry it on.
-pub struct RubbedBatch {
-    pipelines: Pipelines,
-    buffers: Buffers,
+/// A batch's model.
+pub(super) struct Rubbed {
+    modes: u32,
     instances: Vec<ParameterSet>,
-    load: Load,
-    /// Without and with a tangent vector. Steps differ from batch to batch in how long they take.
-    pacers: [Pacer; 2],
 }
 
-impl RubbedBatch {
-    /// Takes a new batch, at the beginning of its run, in the buffers and with the kernels of the one before where these
-    /// serve.
-    pub fn new(
-        context: &GpuContext,
-        before: Option<Self>,
-        load: Load,
-        settings: &Settings,
-        instances: &[ParameterSet],
-    ) -> Result<Self, BackendError> {
-        check_modes(settings)?;
-        let (pipelines, buffers) = before.map(|batch| (batch.pipelines, batch.buffers)).unzip();
-        let pipelines = match pipelines.filter(|pipelines: &Pipelines| pipelines.modes() == settings.modes()) {
-            Some(pipelines) => pipelines,
-            None => Pipelines::new(context, settings.modes())?,
-        };
-        let buffers = match buffers.filter(|buffers: &Buffers| buffers.hold(instances.len(), settings)) {
-            Some(buffers) => buffers,
-            None => Buffers::new(context, &pipelines, instances.len(), settings)?,
-        };
-        buffers.fill(context, settings, instances);
-        context.check()?;
+impl Rubbed {
+    /// # Errors
+    /// If there are more heat modes, or fewer, than arrays in kernels hold.
+    pub fn new(settings: &Settings, instances: &[ParameterSet]) -> Result<Self, BackendError> {
+        let modes = settings.modes();
+        if !(1..=MAX_MODES).contains(&modes) {
+            return Err(BackendError::Unsupported(format!(
+                "{modes} heat modes are not from 1 to the {MAX_MODES} that the GPU's kernels hold: set --modes"
+            )));
+        }
         Ok(Self {
-            pipelines,
-            buffers,
+            modes,
             instances: instances.to_vec(),
-            load: Load {
-                instances: instances.len() as u32,
-                // one a thread
-                workgroup_instances: context.pipelines().workgroup_size(),
-                steps_per_period: STEPS_PER_PERIOD,
-                most_periods: MOST_PERIODS,
-                ..load
-            },
-            pacers: Default::default(),
         })
     }
+}
 
-    pub fn begin_anew(&self, context: &GpuContext, settings: &Settings) {
-        self.buffers.write_run(context, settings, self.instances.len());
+impl Model for Rubbed {
+    fn bindings(&self) -> &'static [Binding] {
+        &layout::BINDINGS
     }
 
-    pub fn advance(&mut self, context: &GpuContext, slice: &Slice) -> Result<(), BackendError> {
-        let carries_tangent = slice.stage != Stage::Transient;
-        let mut pacer = self.pacers[usize::from(carries_tangent)].clone();
-        let done = pacer.dispatch(&self.load, slice, |span| self.dispatch(context, carries_tangent, span));
-        self.pacers[usize::from(carries_tangent)] = pacer;
-        done
+    fn shape(&self, _: Lanes) -> Shape {
+        Shape {
+            lanes: Lanes::One,
+            modes: Some(self.modes),
+        }
     }
 
-    /// Returns how long it took.
-    fn dispatch(&self, context: &GpuContext, carries_tangent: bool, span: Span) -> Result<Duration, BackendError> {
-        let started = Instant::now();
-        self.buffers.set_span(context, span);
-        let mut encoder = context.device().create_command_encoder(&Default::default());
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(self.pipelines.kernel(carries_tangent));
-        pass.set_bind_group(0, self.buffers.bindings(), &[]);
-        pass.dispatch_workgroups(span.instances.div_ceil(self.load.workgroup_instances), 1, 1);
-        drop(pass);
-        context.queue().submit([encoder.finish()]);
-        context.wait()?;
-        Ok(started.elapsed())
+    fn pace(&self) -> Pace {
+        Pace {
+            steps_per_period: STEPS_PER_PERIOD,
+            most_periods: MOST_PERIODS,
+            is_lasting: false,
+        }
     }
 
-    pub fn collect(&self, context: &GpuContext) -> Result<Vec<Sums>, BackendError> {
-        let totals = self.buffers.take_totals(context, self.instances.len())?;
+    fn kernel(&self, slice: &Slice) -> (Kernel, u32) {
+        let kernel = match slice.stage {
+            Stage::Transient => Kernel::Plain,
+            Stage::Align | Stage::Measure | Stage::Check => Kernel::Tangent,
+        };
+        (kernel, slice.periods)
+    }
+
+    fn fill(&self, context: &GpuContext, buffers: &Buffers, settings: &Settings, instances: &[ParameterSet]) {
+        let slots = layout::slots(self.modes) as usize;
+        let mut heat_modes = vec![HeatMode { rate: 0.0, weight: 0.0 }; slots * instances.len()];
+        let spectra = Spectra::new(instances, self.modes as usize);
+        let (parameters, orbits): (Vec<_>, Vec<_>) = instances
+            .iter()
+            .enumerate()
+            .map(|(instance, set)| {
+                let heat = spectra.heat_modes(set);
+                for slot in 0..slots {
+                    heat_modes[slot * instances.len() + instance] = HeatMode {
+                        rate: heat.rates[slot] as f32,
+                        weight: heat.weights[slot] as f32,
+                    };
+                }
+                (Parameters::new(set, &heat), Orbit::start(set, &heat))
+            })
+            .unzip();
+        self.write_run(context, buffers, settings, instances.len());
+        buffers.write(context, binding::PARAMETERS, &parameters);
+        buffers.write(context, binding::HEAT_MODES, &heat_modes);
+        buffers.write(context, binding::ORBITS, &orbits);
+        buffers.clear(context, &[binding::MODE_STATES, binding::TOTALS]);
+    }
+
+    fn write_run(&self, context: &GpuContext, buffers: &Buffers, settings: &Settings, instances: usize) {
+        buffers.write(context, binding::RUN, &[Run::new(settings, instances as u32)]);
+        buffers.write(context, binding::BIRKHOFF_WEIGHTS, &birkhoff_weights(settings));
+    }
+
+    fn set_tangents(&self, _: &GpuContext, _: &Buffers, _: &[[f64; 2]]) -> Result<(), BackendError> {
+        Err(BackendError::tangents_with_heat())
+    }
+
+    fn take_sums(&self, context: &GpuContext, buffers: &Buffers, count: usize) -> Result<Vec<Sums>, BackendError> {
+        let totals: Vec<Totals> = buffers.take(context, binding::TOTALS, count)?;
         Ok(totals.into_iter().map(Sums::from).collect())
     }
 
-    pub fn end_states(&self, context: &GpuContext) -> Result<Vec<EndState>, BackendError> {
-        let orbits = self.buffers.read_orbits(context, self.instances.len())?;
-        Ok(orbits
-            .iter()
-            .zip(&self.instances)
-            .map(|(orbit, set)| orbit.end_state(set))
-            .collect())
+    fn end_states(&self, context: &GpuContext, buffers: &Buffers, count: usize) -> Result<Vec<EndState>, BackendError> {
+        let orbits: Vec<Orbit> = buffers.read(context, binding::ORBITS, count)?;
+        let ends = orbits.iter().zip(&self.instances);
+        Ok(ends.map(|(orbit, set)| orbit.end_state(set)).collect())
     }
-}
-
-/// Bytes of an instance in the buffer that has most of them.
-pub fn largest_share(settings: &Settings, modes: u32) -> u64 {
-    buffers::largest_share(settings, modes)
-}
-
-/// The kernels hold the modes of a thread in arrays of fixed length.
-fn check_modes(settings: &Settings) -> Result<(), BackendError> {
-    if (1..=MAX_MODES).contains(&settings.modes()) {
-        return Ok(());
-    }
-    Err(BackendError::Unsupported(format!(
-        "{} heat modes are not from 1 to the {MAX_MODES} that the GPU's kernels hold: set --modes",
-        settings.modes()
-    )))
 }

@@ -1,0 +1,116 @@
+//! A batch on its way through a device, whatever its model.
+//!
+//! Owns how a slice is cut into dispatches, and each of these; what kernels compute, and from what, the model knows.
+
+use std::time::{Duration, Instant};
+
+use super::buffers::Buffers;
+use super::context::GpuContext;
+use super::kernels::{Compiled, Kernels};
+use super::layout::{SPAN, Span};
+use super::model::Model;
+use super::pacer::Load;
+use crate::backend::{BackendError, EndState, Slice, Sums};
+use crate::experiment::{Scheme, Settings};
+use crate::parameters::ParameterSet;
+
+/// Instances that are carried on together, and their memory on a device.
+pub(super) struct GpuBatch {
+    model: Box<dyn Model>,
+    scheme: Scheme,
+    buffers: Buffers,
+    load: Load,
+}
+
+impl GpuBatch {
+    /// A batch at the beginning of its run, in buffers that hold it.
+    pub fn new(
+        context: &GpuContext,
+        model: Box<dyn Model>,
+        buffers: Buffers,
+        kernels: &mut Kernels,
+        settings: &Settings,
+        instances: &[ParameterSet],
+    ) -> Self {
+        let load = Load {
+            pace: model.pace(),
+            instances: instances.len() as u32,
+            workgroup_instances: context.workgroup_size() * kernels.shape().lanes.count(),
+            max_workgroups: context.device().limits().max_compute_workgroups_per_dimension,
+        };
+        if !load.pace.is_lasting {
+            kernels.forget_pace();
+        }
+        model.fill(context, &buffers, settings, instances);
+        Self {
+            model,
+            scheme: settings.scheme(),
+            buffers,
+            load,
+        }
+    }
+
+    /// By which it is carried on.
+    pub fn scheme(&self) -> Scheme {
+        self.scheme
+    }
+
+    /// The memory of a batch that is no longer needed.
+    pub fn into_buffers(self) -> Buffers {
+        self.buffers
+    }
+
+    pub fn set_tangents(&self, context: &GpuContext, tangents: &[[f64; 2]]) -> Result<(), BackendError> {
+        self.model.set_tangents(context, &self.buffers, tangents)
+    }
+
+    pub fn begin_anew(&self, context: &GpuContext, settings: &Settings) {
+        self.model
+            .write_run(context, &self.buffers, settings, self.load.instances as usize);
+    }
+
+    /// Carries the batch on by a slice, in as many dispatches as that takes.
+    pub fn advance(&self, context: &GpuContext, kernels: &mut Kernels, slice: &Slice) -> Result<(), BackendError> {
+        let mut left = *slice;
+        while left.periods > 0 {
+            let (kernel, periods) = self.model.kernel(&left);
+            let Compiled { pipeline, pacer, .. } = kernels.kernel(kernel);
+            let alike = Slice { periods, ..left };
+            pacer.dispatch(&self.load, &alike, |span| self.dispatch(context, pipeline, span))?;
+            left.first += periods;
+            left.elapsed += periods;
+            left.periods -= periods;
+        }
+        Ok(())
+    }
+
+    /// Returns how long it took.
+    fn dispatch(
+        &self,
+        context: &GpuContext,
+        pipeline: &wgpu::ComputePipeline,
+        span: Span,
+    ) -> Result<Duration, BackendError> {
+        let started = Instant::now();
+        self.buffers.write(context, SPAN, &[span]);
+        let mut encoder = context.device().create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, self.buffers.group(), &[]);
+        pass.dispatch_workgroups(span.instances.div_ceil(self.load.workgroup_instances), 1, 1);
+        drop(pass);
+        context.queue().submit([encoder.finish()]);
+        context.wait()?;
+        Ok(started.elapsed())
+    }
+
+    pub fn take_sums(&self, context: &GpuContext) -> Result<Vec<Sums>, BackendError> {
+        self.model
+            .take_sums(context, &self.buffers, self.load.instances as usize)
+    }
+
+    pub fn end_states(&self, context: &GpuContext) -> Result<Vec<EndState>, BackendError> {
+        self.model
+            .end_states(context, &self.buffers, self.load.instances as usize)
+    }
+}

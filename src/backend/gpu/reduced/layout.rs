@@ -1,0 +1,204 @@
+//! What host and device share in memory: the structs of `shaders/shared/bindings.wgsl`, field by field, and the
+//! bindings' numbers.
+//!
+//! Owns the passage from parameters and settings to these structs, and back to what a run has shown; neither allocates nor dispatches.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::super::layout::Access::{Read, ReadWrite, Uniform};
+use super::super::layout::{Binding, Count, Span, last_states};
+use crate::backend::{Contact, EndState, Sums};
+use crate::dynamics::drive::DriveTable;
+use crate::dynamics::stroboscope;
+use crate::dynamics::taylor;
+use crate::experiment::{Scheme, Settings};
+use crate::parameters::{Parameter, ParameterSet};
+
+/// The bindings' numbers, as in the shader.
+pub(super) mod binding {
+    pub(super) use crate::backend::gpu::layout::SPAN;
+    pub const RUN: u32 = 0;
+    pub const DRIVE: u32 = 2;
+    pub const BIRKHOFF_WEIGHTS: u32 = 3;
+    pub const PARAMETERS: u32 = 4;
+    pub const ORBITS: u32 = 5;
+    pub const TANGENTS: u32 = 6;
+    pub const TOTALS: u32 = 7;
+    pub const LAST_STATES: u32 = 8;
+}
+
+/// Everything that the shader binds.
+pub static BINDINGS: [Binding; 9] = [
+    Binding::of::<Run>(binding::RUN, "run", Uniform, Count::One),
+    Binding::of::<Span>(binding::SPAN, "span", Uniform, Count::One),
+    Binding::of::<Drive>(binding::DRIVE, "drive", Uniform, Count::One),
+    Binding::of::<f32>(binding::BIRKHOFF_WEIGHTS, "birkhoff_weights", Read, Count::Periods),
+    Binding::of::<Parameters>(binding::PARAMETERS, "parameters", Read, Count::Instances),
+    Binding::of::<Orbit>(binding::ORBITS, "orbits", ReadWrite, Count::Instances),
+    Binding::of::<Tangent>(binding::TANGENTS, "tangents", ReadWrite, Count::Instances),
+    Binding::of::<Totals>(binding::TOTALS, "totals", ReadWrite, Count::Instances),
+    Binding::of::<[f32; 2]>(
+        binding::LAST_STATES,
+        "last_states",
+        ReadWrite,
+        Count::OfInstance(last_states),
+    ),
+];
+
+/// Entries of the drive table, as large as every device allows a uniform buffer to be (64 KiB).
+const DRIVE_ENTRIES: usize = 4096;
+
+/// sin z at the [middle, end] of two steps an entry.
+type Drive = [[[f32; 2]; 2]; DRIVE_ENTRIES];
+
+/// The drive table holds two steps an entry.
+pub(super) const MAX_STEPS_PER_PERIOD: u32 = 2 * DRIVE_ENTRIES as u32;
+
+/// What all instances of a batch share.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Run {
+    pub instances: u32,
+    pub steps_per_period: u32,
+    pub renormalise_every: u32,
+    pub unrecorded: u32,
+    pub window: u32,
+    pub max_period: u32,
+    pub period_tolerance: f32,
+}
+
+impl Run {
+    pub fn new(settings: &Settings, instances: u32) -> Self {
+        let window = stroboscope::window(settings.periods, settings.max_period);
+        Self {
+            instances,
+            steps_per_period: settings.steps_per_period(),
+            renormalise_every: settings.renormalise_every,
+            unrecorded: settings.periods - window,
+            window,
+            max_period: settings.max_period,
+            period_tolerance: settings.period_tolerance as f32,
+        }
+    }
+}
+
+/// One instance's parameters.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Parameters {
+    pub zeta_k: f32,
+    pub h1: f32,
+    pub omega_k: f32,
+    pub b: f32,
+    pub epsilon: f32,
+    pub f_0: f32,
+    pub alpha: f32,
+    pub beta: f32,
+    pub epsilon_0: f32,
+    pub step_size: f32,
+    pub unit_of_time: f32,
+}
+
+impl Parameters {
+    pub fn new(set: &ParameterSet, settings: &Settings) -> Self {
+        let value = |parameter| set[parameter] as f32;
+        let steps = settings.steps_per_period();
+        let step_size = match settings.scheme() {
+            Scheme::Taylor => taylor::longest_step(set, steps),
+            Scheme::Rk4 | Scheme::Radau => set.forcing_period() / f64::from(steps),
+        };
+        Self {
+            zeta_k: value(Parameter::ZetaK),
+            h1: value(Parameter::H1),
+            omega_k: value(Parameter::OmegaK),
+            b: value(Parameter::B),
+            epsilon: value(Parameter::Epsilon),
+            f_0: value(Parameter::F0),
+            alpha: value(Parameter::Alpha),
+            beta: value(Parameter::Beta),
+            epsilon_0: value(Parameter::Epsilon0),
+            step_size: step_size as f32,
+            unit_of_time: taylor::unit_of_time(set[Parameter::Omega0]) as f32,
+        }
+    }
+}
+
+/// One instance as it is carried along.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Orbit {
+    pub x: f32,
+    pub y: f32,
+    pub x_min: f32,
+    pub x_max: f32,
+    pub period: u32,
+    pub runaway_period: u32,
+    pub under_resolved: u32,
+}
+
+impl Orbit {
+    /// The instance at the beginning of its run.
+    pub fn start(set: &ParameterSet) -> Self {
+        let x = set[Parameter::X0] as f32;
+        Self {
+            x,
+            y: set[Parameter::Y0] as f32,
+            x_min: x,
+            x_max: x,
+            period: 0,
+            runaway_period: 0,
+            under_resolved: u32::from(!taylor::is_layer_resolved::<f32>(set)),
+        }
+    }
+}
+
+/// One instance's tangent vector (X, Y), of length 1.
+pub type Tangent = [f32; 2];
+
+impl From<(Orbit, Tangent)> for EndState {
+    fn from((orbit, tangent): (Orbit, Tangent)) -> Self {
+        Self {
+            x: orbit.x.into(),
+            y: orbit.y.into(),
+            tangent: tangent.map(f64::from),
+            x_min: orbit.x_min.into(),
+            x_max: orbit.x_max.into(),
+            period: (orbit.period > 0).then_some(orbit.period),
+            runaway_periods: (orbit.runaway_period > 0).then_some(orbit.runaway_period.into()),
+            under_resolved: orbit.under_resolved > 0,
+            contact: Contact::CONSTANT,
+        }
+    }
+}
+
+/// One instance's sums over measured periods since they were last collected.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Totals {
+    pub growth_first: f32,
+    pub growth_second: f32,
+    pub birkhoff: f32,
+    pub divergence: f32,
+}
+
+impl From<Totals> for Sums {
+    fn from(totals: Totals) -> Self {
+        Self {
+            growth: [totals.growth_first.into(), totals.growth_second.into()],
+            birkhoff: totals.birkhoff.into(),
+            divergence: totals.divergence.into(),
+        }
+    }
+}
+
+/// The drive table as the shader reads it: [middle, end] of two steps an entry, the rest zero.
+pub fn drive_entries(steps_per_period: u32) -> Vec<[[f32; 2]; 2]> {
+    let mut entries = vec![[[0.0; 2]; 2]; DRIVE_ENTRIES];
+    for (entry, steps) in entries
+        .iter_mut()
+        .zip(DriveTable::new::<f32>(steps_per_period).steps().chunks(2))
+    {
+        entry[..steps.len()].copy_from_slice(steps);
+    }
+    entries
+}
