@@ -416,7 +416,7 @@ fn bad_input_is_refused_with_a_reason_before_any_work() {
         (&["map", "--set", "biot=0"], "biot = 0 is out of range"),
         (&["map", "--set", "omega_tilde=0"], "omega_tilde = 0 is out of range"),
         (&["map", "--set", "ramp_rate=0"], "leave it out for none"),
-        (&["map", "--x", "ramp_rate=1:inf:5"], "two finite ends"),
+        (&["map", "--x", "ramp_rate=1:inf:5"], "give it finite values"),
         (&["map", "--modes", "0"], "modes = 0 is out of range"),
         (&["map", "--modes", "65"], "from 1 to 64"),
         (&["map", "--tolerance", "1"], "tolerance = 1 is out of range"),
@@ -479,7 +479,7 @@ fn help_shows_the_parameters_and_the_classes() {
         "epsilon_0",
         "ωₖ",
         "half-width of the regularised friction layer",
-        "L - 3 S > 0, and a disturbance grew by more than e over the measurement",
+        "L - 3 S > 0, and a disturbance grew by more than e over the",
         "--align-periods",
     ] {
         assert!(help.contains(said), "{said}");
@@ -614,7 +614,7 @@ fn ctrl_c_keeps_what_is_finished() {
     use std::time::{Duration, Instant};
     let folder = TempDir::new().unwrap();
     // as many tiles as rows: a row is longer than a tile on any machine with few threads
-    let mut child = Command::new(cargo_bin!("tribochaos"))
+    let mut child = program::with_signals()
         .current_dir(folder.path())
         .args([
             "map",

@@ -155,12 +155,13 @@ fn output_that_is_lost_is_an_error() {
 }
 
 /// Starts a long map in a shell that may ignore a signal, sends the signal, and returns exit code and words.
-#[cfg(unix)]
+#[cfg(target_os = "linux")]
 fn stopped(folder: &Path, before: &str, signal: &str, patience: Duration) -> (Option<i32>, String) {
     let program = cargo_bin!("tribochaos");
     let args = "map --x zeta_k=3:5:400 --y h1=0:1.5:400 --backend cpu --full-length --scheme rk4 --out m";
-    let mut child = Command::new("sh")
-        .args(["-c", &format!("{before} exec {} {args}", program.display())])
+    let mut child = Command::new("env")
+        .args(["--default-signal=INT,HUP,TERM", "sh", "-c"])
+        .arg(format!("{before} exec {} {args}", program.display()))
         .current_dir(folder)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -195,7 +196,7 @@ fn stopped(folder: &Path, before: &str, signal: &str, patience: Duration) -> (Op
 }
 
 #[test]
-#[cfg(unix)]
+#[cfg(target_os = "linux")]
 fn a_signal_is_told_by_its_name_and_one_that_is_ignored_stays_ignored() {
     let folder = TempDir::new().unwrap();
     let (code, said) = stopped(folder.path(), "", "-HUP", Duration::from_secs(120));

@@ -1,5 +1,5 @@
-// What the host and the device share: the structs of src/backend/gpu/layout.rs, held equal by a test, and the bindings.
-// Scalars only, so that both languages lay them out alike.
+// What the host and the device share: the structs of src/backend/gpu/reduced/layout.rs, held equal by a test, and the
+// bindings. Scalars only, so that both languages lay them out alike.
 
 // What all instances of a batch share.
 struct Run {

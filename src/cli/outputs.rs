@@ -43,6 +43,9 @@ pub fn check_writable(path: &Path) -> anyhow::Result<()> {
         })
 }
 
+/// The most points of a map, whose results are read back into memory: 250 bytes for each.
+const MOST_POINTS: usize = 50_000_000;
+
 /// A number of bytes in a unit in which it can be read.
 fn bytes(count: u64) -> String {
     const UNITS: [&str; 5] = ["bytes", "kB", "MB", "GB", "TB"];
@@ -133,6 +136,19 @@ impl Outputs {
         let text = self.name.to_string_lossy();
         if self.name.file_name().is_none() || text.ends_with(std::path::is_separator) {
             bail!("`{text}` names no file: give --out a name such as outputs/map");
+        }
+        let points = experiment.design.len();
+        if points > MOST_POINTS {
+            let sides: Vec<String> = experiment
+                .design
+                .axes()
+                .iter()
+                .map(|axis| axis.count().to_string())
+                .collect();
+            bail!(
+                "a map of {} points is too large: {points} points do not fit into memory (at most {MOST_POINTS})",
+                sides.join(" x ")
+            );
         }
         let drawn = Quantity::drawn(experiment.wears());
         let pictures: Vec<PathBuf> = drawn.iter().map(|&quantity| self.picture(quantity)).collect();

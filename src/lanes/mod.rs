@@ -19,6 +19,7 @@ macro_rules! undivided {
     };
 }
 
+mod instructions;
 mod pair;
 mod wide;
 #[cfg(all(target_arch = "x86_64", not(test)))]
@@ -26,6 +27,7 @@ pub(crate) mod x86;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+pub(crate) use instructions::{Held, Instructions, Portable};
 pub use pair::Pair;
 pub use wide::Wide;
 

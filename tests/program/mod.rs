@@ -16,6 +16,19 @@ pub fn tribochaos(folder: &Path, args: &[&str]) -> Output {
         .unwrap()
 }
 
+/// The program with the signals that stop it as they are by default: one that is ignored, as in a job in the background, stays
+/// ignored in the program.
+pub fn with_signals() -> Command {
+    if !cfg!(target_os = "linux") {
+        return Command::new(cargo_bin!("tribochaos"));
+    }
+    let mut command = Command::new("env");
+    command
+        .arg("--default-signal=INT,HUP,TERM")
+        .arg(cargo_bin!("tribochaos"));
+    command
+}
+
 pub fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }

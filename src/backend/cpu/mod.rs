@@ -1,6 +1,6 @@
 //! The CPU backend: blocks of lanes on all cores, f64 (the reference) or f32.
 //!
-//! Owns the dispatch by instruction set, once a batch and outside the loops; the arithmetic is the model's and the
+//! Owns the dispatch by instruction set, outside the loops; the arithmetic is the model's and the
 //! scheme's, written once over the lane type. The schemes are long, and compiled for every lane type: the library's unit
 //! tests have the portable ones alone, which halves the time that a build of all tests takes.
 
@@ -9,8 +9,6 @@ mod radau;
 mod record;
 mod rk4;
 mod taylor;
-
-use std::marker::PhantomData;
 
 use rayon::prelude::*;
 
@@ -21,22 +19,28 @@ use self::taylor::TaylorBlock;
 use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
 use crate::backend::BackendKind;
 use crate::experiment::{Precision, Scheme, Settings};
-use crate::lanes::{Pair, Real, Wide};
-use crate::parameters::ParameterSet;
-
 #[cfg(all(target_arch = "x86_64", not(test)))]
-use crate::lanes::x86::{F32x8, F32x16, F64x4, F64x8};
+use crate::lanes::x86::{Avx2, Avx512, OverLanes};
+use crate::lanes::{Held, Instructions, Pair, Portable, Real, Wide};
+use crate::parameters::ParameterSet;
 
 /// Vectors in flight of rk4 with tangent vectors; measured on AVX-512, as are the next two.
 const RK4_IN_FLIGHT: usize = 2;
 /// Groups of so many vectors that make a block of rk4.
 const RK4_GROUPS: usize = 2;
 
+/// A second of work for a thread, in many more blocks than there are threads, which wait for each other after every slice of
+/// it.
+const BATCH_A_THREAD: usize = 4096;
+
+/// Instances that are worth another thread where something is merely read of each.
+const READ_A_THREAD: usize = 256;
+
 /// Integrates on all cores of the machine.
 pub struct CpuBackend {
     precision: Precision,
     instructions: InstructionSet,
-    batch: Option<Box<dyn Batch>>,
+    batch: Option<Box<dyn CpuBatch>>,
 }
 
 impl CpuBackend {
@@ -66,7 +70,7 @@ impl CpuBackend {
         }
     }
 
-    fn batch(&mut self) -> &mut dyn Batch {
+    fn batch(&mut self) -> &mut dyn CpuBatch {
         self.batch
             .as_deref_mut()
             .expect("a batch is loaded before it is advanced")
@@ -93,22 +97,31 @@ impl Backend for CpuBackend {
     }
 
     fn batch_size(&self, _: &Settings) -> usize {
-        // a second of work, in many more blocks than there are threads, which wait for each other after every slice of it
-        4096 * rayon::current_num_threads()
+        BATCH_A_THREAD * rayon::current_num_threads()
     }
 
     fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
+        #[cfg(all(target_arch = "x86_64", not(test)))]
+        let blocks = NewBlocks { settings, instances };
         self.batch = Some(match (self.instructions, self.precision) {
             #[cfg(all(target_arch = "x86_64", not(test)))]
-            (InstructionSet::Avx512, Precision::F64) => batch::<Avx512, F64x8, Quad<F64x8>>(settings, instances),
+            (InstructionSet::Avx512, precision) => {
+                let avx512 = Avx512::detect().expect(AVAILABLE);
+                match precision {
+                    Precision::F64 => avx512.over_f64(blocks),
+                    Precision::F32 => avx512.over_f32(blocks),
+                }
+            }
             #[cfg(all(target_arch = "x86_64", not(test)))]
-            (InstructionSet::Avx512, Precision::F32) => batch::<Avx512, F32x16, Quad<F32x16>>(settings, instances),
-            #[cfg(all(target_arch = "x86_64", not(test)))]
-            (InstructionSet::Avx2, Precision::F64) => batch::<Avx2, F64x4, Quad<F64x4>>(settings, instances),
-            #[cfg(all(target_arch = "x86_64", not(test)))]
-            (InstructionSet::Avx2, Precision::F32) => batch::<Avx2, F32x8, Quad<F32x8>>(settings, instances),
-            (_, Precision::F64) => batch::<Portable, Pair<f64>, Quad<f64>>(settings, instances),
-            (_, Precision::F32) => batch::<Portable, Pair<f32>, Quad<f32>>(settings, instances),
+            (InstructionSet::Avx2, precision) => {
+                let avx2 = Avx2::detect().expect(AVAILABLE);
+                match precision {
+                    Precision::F64 => avx2.over_f64(blocks),
+                    Precision::F32 => avx2.over_f32(blocks),
+                }
+            }
+            (_, Precision::F64) => batch::<Portable, Pair<f64>, Quad<f64>>(Portable, settings, instances),
+            (_, Precision::F32) => batch::<Portable, Pair<f32>, Quad<f32>>(Portable, settings, instances),
         });
         Ok(())
     }
@@ -135,26 +148,49 @@ impl Backend for CpuBackend {
     }
 }
 
+/// What a backend has seen to when it was made.
+#[cfg(all(target_arch = "x86_64", not(test)))]
+const AVAILABLE: &str = "a backend has only instructions that are available";
+
 /// What Taylor's blocks are made of: the operations of one vector, or of two, wait for each other too long to fill the
 /// machine.
 type Quad<V> = Pair<Pair<V>>;
 
 /// The batch for a scheme, in vectors `V` of the instruction set `I`, or in `T`, as many of them as Taylor's blocks hold.
 fn batch<I: Instructions, V: Real + Send + Sync + 'static, T: Real + Send + Sync + 'static>(
+    instructions: I,
     settings: &Settings,
     instances: &[ParameterSet],
-) -> Box<dyn Batch> {
+) -> Box<dyn CpuBatch> {
     match settings.scheme() {
-        Scheme::Taylor => Box::new(Blocks::<I, TaylorBlock<T>>::new(settings, instances)),
-        Scheme::Radau => Box::new(Blocks::<I, RadauBlock<V>>::new(settings, instances)),
+        Scheme::Taylor => Box::new(Blocks::<I, TaylorBlock<T>>::new(instructions, settings, instances)),
+        Scheme::Radau => Box::new(Blocks::<I, RadauBlock<V>>::new(instructions, settings, instances)),
         Scheme::Rk4 => Box::new(Blocks::<I, Rk4Block<Wide<V, RK4_IN_FLIGHT>, RK4_GROUPS>>::new(
-            settings, instances,
+            instructions,
+            settings,
+            instances,
         )),
     }
 }
 
+/// What a batch is made of, but for its lanes.
+#[cfg(all(target_arch = "x86_64", not(test)))]
+struct NewBlocks<'a> {
+    settings: &'a Settings,
+    instances: &'a [ParameterSet],
+}
+
+#[cfg(all(target_arch = "x86_64", not(test)))]
+impl OverLanes for NewBlocks<'_> {
+    type Output = Box<dyn CpuBatch>;
+
+    fn carry_out<I: Instructions, V: Real + Send + Sync + 'static>(self, instructions: I) -> Box<dyn CpuBatch> {
+        batch::<I, V, Quad<V>>(instructions, self.settings, self.instances)
+    }
+}
+
 /// A batch of any scheme and lane type.
-trait Batch: Send {
+trait CpuBatch: Send {
     fn set_tangents(&mut self, tangents: &[[f64; 2]]) -> Result<(), BackendError>;
     fn begin_anew(&mut self, settings: &Settings);
     fn advance(&mut self, slice: &Slice);
@@ -205,135 +241,70 @@ trait Block: Send + Sync + Sized {
     fn end_state(&self, index: usize) -> EndState;
 }
 
-/// An instruction set that blocks are compiled for.
-trait Instructions: 'static {
-    /// [`Block::advance_plain`] with these instructions.
-    ///
-    /// # Safety
-    /// The machine must have them.
-    unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice);
-
-    /// [`Block::advance`] with these instructions.
-    ///
-    /// # Safety
-    /// The machine must have them.
-    unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice);
-}
-
-/// A local variable as long as a cache line, and aligned to one.
-///
-/// The compiler aligns a function's stack for variables, but not for vectors that it puts aside because registers run out:
-/// without such a variable most of these straddle two cache lines, and every access to them takes twice as long.
-#[cfg(all(target_arch = "x86_64", not(test)))]
-#[repr(align(64))]
-struct CacheLine([u8; 64]);
-
-#[cfg(all(target_arch = "x86_64", not(test)))]
-macro_rules! align_stack {
-    () => {
-        let line = CacheLine([0; 64]);
-        std::hint::black_box(&line.0);
-    };
-}
-
-#[cfg(all(target_arch = "x86_64", not(test)))]
-struct Avx512;
-#[cfg(all(target_arch = "x86_64", not(test)))]
-struct Avx2;
-struct Portable;
-
-#[cfg(all(target_arch = "x86_64", not(test)))]
-impl Instructions for Avx512 {
-    #[target_feature(enable = "avx512f,avx2,fma")]
-    unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
-        align_stack!();
-        block.advance_plain(run, slice);
-    }
-    #[target_feature(enable = "avx512f,avx2,fma")]
-    unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
-        align_stack!();
-        block.advance(run, slice);
-    }
-}
-
-#[cfg(all(target_arch = "x86_64", not(test)))]
-impl Instructions for Avx2 {
-    #[target_feature(enable = "avx2,fma")]
-    unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
-        align_stack!();
-        block.advance_plain(run, slice);
-    }
-    #[target_feature(enable = "avx2,fma")]
-    unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
-        align_stack!();
-        block.advance(run, slice);
-    }
-}
-
-impl Instructions for Portable {
-    unsafe fn plain<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
-        block.advance_plain(run, slice);
-    }
-    unsafe fn advance<B: Block>(block: &mut B, run: &B::Run, slice: &Slice) {
-        block.advance(run, slice);
-    }
-}
-
+/// The blocks of a batch, in lanes of the instructions `I`.
 struct Blocks<I, B: Block> {
-    run: B::Run,
-    blocks: Vec<B>,
+    run: Held<I, B::Run>,
+    blocks: Vec<Held<I, B>>,
     instances: usize,
-    instructions: PhantomData<fn() -> I>,
 }
 
 impl<I: Instructions, B: Block> Blocks<I, B> {
-    fn new(settings: &Settings, instances: &[ParameterSet]) -> Self {
-        let run = B::run(settings, instances);
-        let blocks = instances.chunks(B::INSTANCES);
+    fn new(instructions: I, settings: &Settings, instances: &[ParameterSet]) -> Self {
+        let run = Held::new(instructions, || B::run(settings, instances));
+        let block = |chunk| Held::new(instructions, || run.with(|run| B::new(run, settings, chunk)));
         Self {
-            blocks: blocks.map(|chunk| B::new(&run, settings, chunk)).collect(),
+            blocks: instances.chunks(B::INSTANCES).map(block).collect(),
             run,
             instances: instances.len(),
-            instructions: PhantomData,
         }
     }
 
     fn for_instances<T: Send>(&self, value: impl Fn(&B, usize) -> T + Sync) -> Vec<T> {
         (0..self.instances)
             .into_par_iter()
-            .with_min_len(256)
-            .map(|index| value(&self.blocks[index / B::INSTANCES], index % B::INSTANCES))
+            .with_min_len(READ_A_THREAD)
+            .map(|index| self.blocks[index / B::INSTANCES].with(|block| value(block, index % B::INSTANCES)))
             .collect()
     }
 }
 
-impl<I: Instructions, B: Block> Batch for Blocks<I, B> {
+impl<I: Instructions, B: Block> CpuBatch for Blocks<I, B> {
     fn set_tangents(&mut self, tangents: &[[f64; 2]]) -> Result<(), BackendError> {
         let last = tangents.len() - 1;
         let mut blocks = self.blocks.iter_mut().zip((0..).step_by(B::INSTANCES));
-        blocks.try_for_each(|(block, first)| block.set_tangents(|index| tangents[(first + index).min(last)]))
+        let tangent = |index: usize| tangents[index.min(last)];
+        blocks.try_for_each(|(block, first)| block.with_mut(|block| block.set_tangents(|index| tangent(first + index))))
     }
 
     fn begin_anew(&mut self, settings: &Settings) {
-        B::change(&mut self.run, settings);
+        self.run.with_mut(|run| B::change(run, settings));
     }
 
     fn advance(&mut self, slice: &Slice) {
-        let run = &self.run;
-        let advance = if B::IS_SPLIT && slice.stage == Stage::Transient {
-            I::plain::<B>
-        } else {
-            I::advance::<B>
-        };
-        self.blocks.par_iter_mut().for_each(|block| {
-            // SAFETY: `CpuBackend` pairs lanes and instructions with the set that it has found available.
-            unsafe { advance(block, run, slice) };
+        let blocks = self.blocks.par_iter_mut();
+        // what carries a block on is inlined, so that it is compiled for the instructions
+        self.run.with(|run| {
+            if B::IS_SPLIT && slice.stage == Stage::Transient {
+                blocks.for_each(|block| {
+                    block.with_mut(
+                        #[inline(always)]
+                        |block| block.advance_plain(run, slice),
+                    );
+                });
+            } else {
+                blocks.for_each(|block| {
+                    block.with_mut(
+                        #[inline(always)]
+                        |block| block.advance(run, slice),
+                    );
+                });
+            }
         });
     }
 
     fn collect(&mut self) -> Vec<Sums> {
         let sums = self.for_instances(B::sums);
-        self.blocks.iter_mut().for_each(B::clear_sums);
+        self.blocks.iter_mut().for_each(|block| block.with_mut(B::clear_sums));
         sums
     }
 

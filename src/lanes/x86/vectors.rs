@@ -1,14 +1,21 @@
 //! Vectors of x86-64: AVX2 with FMA, and AVX-512.
 //!
-//! Owns the intrinsics. A value of one of these types must only be made and used below a function whose
-//! `target_feature` enables the instruction set, entered after it was detected at run time; that is why the types do
-//! not leave the crate.
+//! Owns the intrinsics. The module's rule: a value of one of these types is made and used only below a function whose
+//! `target_feature` enables the instruction set, entered after it was detected at run time. That is why only the proofs of
+//! the module above name the types.
 
 use std::arch::asm;
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::{LONG_PERIOD_TICKS, Mask, ROUNDING, Real, SHORT_PERIOD_TICKS, Ticks};
+use crate::lanes::{LONG_PERIOD_TICKS, Mask, ROUNDING, Real, SHORT_PERIOD_TICKS, Ticks};
+
+/// Bits of which only the sign's is 1.
+const SIGN_F64: f64 = -0.0;
+const SIGN_F32: f32 = -0.0;
+
+/// A part of a tick: clocks hold whole ones.
+const HALF_TICK: f64 = 0.5;
 
 macro_rules! x86_vector {
     (
@@ -24,11 +31,11 @@ macro_rules! x86_vector {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
         #[repr(transparent)]
-        pub(crate) struct $name($register);
+        pub(super) struct $name($register);
 
         #[derive(Clone, Copy, Debug)]
         #[repr(transparent)]
-        pub(crate) struct $mask($mask_register);
+        pub(super) struct $mask($mask_register);
 
         // AVX-512 masks are plain integers, whose operations are safe
         #[allow(unused_unsafe)]
@@ -39,7 +46,9 @@ macro_rules! x86_vector {
             fn all(self) -> bool {
                 let $m = self.0;
                 // SAFETY: the module's rule.
-                (unsafe { $bits } as u32) & ((1u32 << $lanes) - 1) == (1u32 << $lanes) - 1
+                let bits = unsafe { $bits } as u32;
+                let every_lane = (1u32 << $lanes) - 1;
+                bits & every_lane == every_lane
             }
             #[inline(always)]
             fn lane(self, lane: usize) -> bool {
@@ -193,7 +202,7 @@ macro_rules! integer_ticks {
         zero = |$z:ident| $zero:expr) => {
         #[derive(Clone, Copy, Debug)]
         #[repr(transparent)]
-        pub(crate) struct $ticks($register);
+        pub(super) struct $ticks($register);
 
         impl $ticks {
             #[inline(always)]
@@ -252,7 +261,7 @@ macro_rules! own_ticks {
             }
             #[inline(always)]
             fn all_zero(self) -> bool {
-                self.less(Self::broadcast(0.5)).all()
+                self.less(Self::broadcast(HALF_TICK)).all()
             }
         }
     };
@@ -287,7 +296,7 @@ x86_vector! {
     F64x4: 4 x f64 in __m256d, F64x4Mask(__m256d) = |m| _mm256_movemask_pd(m);
     _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_fmadd_pd _mm256_min_pd _mm256_max_pd
     _mm256_sqrt_pd _mm256_set1_pd _mm256_loadu_pd _mm256_storeu_pd,
-    abs = |a| _mm256_andnot_pd(_mm256_set1_pd(-0.0), a), less = |l, r| _mm256_cmp_pd::<_CMP_LT_OQ>(l, r),
+    abs = |a| _mm256_andnot_pd(_mm256_set1_pd(SIGN_F64), a), less = |l, r| _mm256_cmp_pd::<_CMP_LT_OQ>(l, r),
     select = |s, yes, no| _mm256_blendv_pd(no, yes, s),
     and = |a, b| _mm256_and_pd(a, b), or = |a, b| _mm256_or_pd(a, b),
     F64x4 of LONG_PERIOD_TICKS, to = |v| v + Self::broadcast(ROUNDING) - Self::broadcast(ROUNDING), from = |t| t,
@@ -299,7 +308,7 @@ x86_vector! {
     F32x8: 8 x f32 in __m256, F32x8Mask(__m256) = |m| _mm256_movemask_ps(m);
     _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_fmadd_ps _mm256_min_ps _mm256_max_ps
     _mm256_sqrt_ps _mm256_set1_ps _mm256_loadu_ps _mm256_storeu_ps,
-    abs = |a| _mm256_andnot_ps(_mm256_set1_ps(-0.0), a), less = |l, r| _mm256_cmp_ps::<_CMP_LT_OQ>(l, r),
+    abs = |a| _mm256_andnot_ps(_mm256_set1_ps(SIGN_F32), a), less = |l, r| _mm256_cmp_ps::<_CMP_LT_OQ>(l, r),
     select = |s, yes, no| _mm256_blendv_ps(no, yes, s),
     and = |a, b| _mm256_and_ps(a, b), or = |a, b| _mm256_or_ps(a, b),
     I32x8 of SHORT_PERIOD_TICKS, to = |v| I32x8::of(v), from = |t| t.value(),
