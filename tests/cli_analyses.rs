@@ -10,7 +10,7 @@ use std::path::Path;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use program::{table, text, tribochaos};
+use program::{drawing, table, text, tribochaos};
 
 #[track_caller]
 fn assert_refused(folder: &Path, args: &[&str], reason: &str) {
@@ -22,7 +22,7 @@ fn assert_refused(folder: &Path, args: &[&str], reason: &str) {
 
 #[track_caller]
 fn run(folder: &Path, args: &[&str]) -> String {
-    let output = tribochaos(folder, args);
+    let output = drawing(folder, args);
     assert!(output.status.success(), "{args:?}: {}", text(&output.stderr));
     text(&output.stdout)
 }

@@ -11,10 +11,10 @@ use std::process::Output;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use program::{table, text, tribochaos};
+use program::{drawing, table, text};
 
 fn history(folder: &Path, args: &[&str]) -> Output {
-    tribochaos(folder, &[&["history"], args].concat())
+    drawing(folder, &[&["history"], args].concat())
 }
 
 #[track_caller]

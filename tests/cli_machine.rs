@@ -10,7 +10,7 @@ use std::process::Output;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use program::{text, tribochaos};
+use program::{drawing, text, tribochaos};
 
 #[track_caller]
 fn done(output: &Output) -> String {
@@ -269,7 +269,7 @@ fn analyses_run_over_quantities_of_a_machine() {
     let folder = folder();
     let run = |args: &[&str]| {
         let args = [args, &["--machine", "m.toml", "--json"], &COLD[..]].concat();
-        json(&tribochaos(folder.path(), &args))
+        json(&drawing(folder.path(), &args))
     };
     let short = ["--transient-periods", "60", "--periods", "40"];
     let amplitude = ["--x", "shaft_speed_amplitude=180:240:4"];
@@ -336,7 +336,7 @@ fn melnikovs_thresholds_of_a_machine_are_in_si() {
     let folder = folder();
     let melnikov = |args: &[&'static str]| {
         let args = [&["melnikov", "--machine", "m.toml", "--force"], &COLD[..], args].concat();
-        tribochaos(folder.path(), &args)
+        drawing(folder.path(), &args)
     };
     let found = json(&melnikov(&["--json", "--over", "damping=0:1000:3"]));
     assert_near(&found["threshold"], 218.05, 1e-4);
@@ -402,7 +402,7 @@ fn a_history_of_a_machine_has_columns_in_si() {
         "8",
         "--json",
     ];
-    let object = json(&tribochaos(folder.path(), &args));
+    let object = json(&drawing(folder.path(), &args));
     assert!(object["si"]["contact_time_s"].is_null());
     let table = fs::read_to_string(folder.path().join("outputs/history.csv")).unwrap();
     let mut lines = table.lines().filter(|line| !line.starts_with('#'));

@@ -14,9 +14,9 @@ const STATES: &str = "20000";
 
 /// Commands of which the same is shown with less work: the option is added.
 const SHORTENED: [(&str, &str); 6] = [
-    ("reproduce", "--quick --figure 4.1"),
-    ("lyapunov", "--no-onset"),
-    ("bench", "--help"),
+    ("tribochaos reproduce", "--quick --figure 4.1"),
+    ("tribochaos lyapunov", "--no-onset"),
+    ("tribochaos bench", "--help"),
     ("devices --check", "--help"),
     ("--lifetime", "--lifetime-periods 100"),
     ("--transient-periods 2000", "--dry-run"),
@@ -87,7 +87,11 @@ fn shortened(command: &str) -> String {
     }
     for (part, option) in SHORTENED {
         if command.contains(part) {
-            short = format!("{short} {option}");
+            // a flag that is there already may not be given twice
+            let new = option
+                .split(' ')
+                .filter(|word| *word != "--quick" || !command.contains("--quick"));
+            short = format!("{short} {}", new.collect::<Vec<_>>().join(" "));
         }
     }
     short

@@ -29,6 +29,20 @@ pub fn with_signals() -> Command {
     command
 }
 
+/// As [`tribochaos`], with files under their usual names: an object alone leaves none. `bench` never writes any.
+pub fn drawing(folder: &Path, args: &[&str]) -> Output {
+    if !args.contains(&"--json") || args.contains(&"--out") || args[0] == "bench" {
+        return tribochaos(folder, args);
+    }
+    let name = if args.contains(&"--lifetime") {
+        "lifetime"
+    } else {
+        args[0]
+    };
+    let out = format!("outputs/{name}");
+    tribochaos(folder, &[args, &["--out", &out]].concat())
+}
+
 pub fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }

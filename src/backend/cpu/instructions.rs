@@ -3,6 +3,8 @@
 //! Owns their detection; the lanes that use them are [`crate::lanes`]'.
 
 use crate::experiment::Precision;
+#[cfg(all(target_arch = "x86_64", not(test)))]
+use crate::lanes::x86;
 
 /// A set of vector instructions that the lanes are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,12 +27,8 @@ impl InstructionSet {
     #[cfg(all(target_arch = "x86_64", not(test)))]
     fn is_available(self) -> bool {
         match self {
-            Self::Avx512 => {
-                is_x86_feature_detected!("avx512f")
-                    && is_x86_feature_detected!("avx2")
-                    && is_x86_feature_detected!("fma")
-            }
-            Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            Self::Avx512 => x86::Avx512::detect().is_some(),
+            Self::Avx2 => x86::Avx2::detect().is_some(),
             Self::Portable => true,
         }
     }
