@@ -10,14 +10,12 @@ use std::ops::ControlFlow;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use tribochaos::backend::BackendKind;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::shader_source::Lanes;
 use tribochaos::backend::gpu::{GpuBackend, GpuContext};
-use tribochaos::backend::{Backend, BackendError, Slice, Stage};
+use tribochaos::backend::{Backend, BackendError, BackendKind, Slice, Stage};
 use tribochaos::experiment::{Precision, Request, Scheme, Settings};
-use tribochaos::measure::measure_batch;
-use tribochaos::measure::{Measurement, Status};
+use tribochaos::measure::{Measurement, Status, measure_batch};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 use points::line;

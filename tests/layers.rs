@@ -84,7 +84,16 @@ const SHELL: [&str; 2] = ["cli/", "main.rs"];
 
 #[test]
 fn only_the_command_line_knows_its_crates() {
-    for name in ["clap", "anyhow", "indicatif", "ctrlc"] {
+    for name in [
+        "clap",
+        "clap_complete",
+        "clap_mangen",
+        "anyhow",
+        "indicatif",
+        "humantime",
+        "signal_hook",
+        "libc",
+    ] {
         assert_only_in(&SHELL, name, |code| names_crate(code, name));
     }
 }

@@ -135,7 +135,6 @@ fn run(page: &Path, commands: &[String]) -> Vec<String> {
     let mut failures = Vec::new();
     for command in commands {
         let short = shortened(command);
-        // commands of other pages may have left their results under the same name
         let output = Command::new("sh")
             .args(["-c", &short])
             .env("PATH", &path)

@@ -10,8 +10,7 @@ use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
 use tribochaos::backend::{Backend, BackendError, Slice, Stage};
 use tribochaos::experiment::{Precision, Preset, Scheme, Settings};
-use tribochaos::measure::measure_batch;
-use tribochaos::measure::{Measurement, Status};
+use tribochaos::measure::{Measurement, Status, measure_batch};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 /// The preset of section 5 at this zeta_k, with or without wear.

@@ -13,8 +13,7 @@ use tribochaos::dynamics::taylor::{self, COEFFICIENTS, Flow};
 use tribochaos::experiment::{Scheme, Settings};
 use tribochaos::lanes::{Real, Ticks};
 use tribochaos::model::friction::Friction;
-use tribochaos::model::motion::Motion;
-use tribochaos::model::motion::RUNAWAY_BOUND;
+use tribochaos::model::motion::{Motion, RUNAWAY_BOUND};
 use tribochaos::parameters::Parameter;
 
 use probe::{Noise, evaluate};

@@ -12,8 +12,7 @@ use tribochaos::backend::gpu::GpuBackend;
 use tribochaos::backend::gpu::shader_source::Lanes;
 use tribochaos::backend::{Backend, Slice, Stage};
 use tribochaos::experiment::{Precision, Scheme, Settings};
-use tribochaos::measure::measure_batch;
-use tribochaos::measure::{Class, Measurement};
+use tribochaos::measure::{Class, Measurement, measure_batch};
 
 use points::line;
 

@@ -10,8 +10,7 @@ use crate::dynamics::taylor::{self, COEFFICIENTS, Flow};
 use crate::experiment::{Scheme, Settings};
 use crate::lanes::LONG_PERIOD_TICKS;
 use crate::measure::Status;
-use crate::model::motion::Motion;
-use crate::model::motion::RUNAWAY_BOUND;
+use crate::model::motion::{Motion, RUNAWAY_BOUND};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// A point on the path of an orbit.

@@ -11,7 +11,7 @@ use tribochaos::design::{Axis, Coordinate, Fixed, Varied};
 use tribochaos::engine::choice::{self, Choice};
 use tribochaos::engine::initial_states;
 use tribochaos::experiment::{BackendChoice, Experiment, Preset, Request};
-use tribochaos::output::figure::Figure;
+use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, charts, drawing, table};
 use tribochaos::parameters::{PARAMETERS, Parameter, ParameterSet};
 
@@ -299,11 +299,12 @@ impl Files {
         })
     }
 
-    /// Writes a drawing, if there are to be files.
-    pub fn draw(&mut self, drawing: &str, figure: &Figure, title: &str) -> Result<(), Failure> {
+    /// Draws a sheet and writes it, if there are to be files.
+    pub fn draw(&mut self, drawing: &str, sheet: &Sheet, title: &str) -> Result<(), Failure> {
         let Some(name) = &self.name else { return Ok(()) };
         let name = drawing::with_ending(name, drawing);
-        let files = drawing::write_drawing(&name, figure, title, &self.recipe).map_err(Failure::run)?;
+        let figure = sheet.draw().map_err(Failure::run)?;
+        let files = drawing::write_drawing(&name, &figure, title, &self.recipe).map_err(Failure::run)?;
         self.written.extend(files);
         Ok(())
     }

@@ -4,10 +4,9 @@ use std::time::Duration;
 
 use clap::Args;
 use serde_json::json;
-use tribochaos::backend::Backend;
-use tribochaos::backend::BackendError;
 use tribochaos::backend::cpu::InstructionSet;
 use tribochaos::backend::gpu::{GpuBackend, GpuContext};
+use tribochaos::backend::{Backend, BackendError};
 use tribochaos::experiment::{Precision, Scheme, Settings};
 use tribochaos::output::PROGRAM;
 use tribochaos::studies::benchmark::kernels::{self, Case, Kernel};

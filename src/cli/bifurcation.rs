@@ -149,8 +149,11 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
         caption::fixed(&experiment.design.fixed, &shown),
         format!("{numerics}{PROGRAM}."),
     ];
-    let figure = Sheet::single(panel, caption).draw().map_err(Failure::run)?;
-    files.draw("", &figure, "Bifurcation diagram of the bush-shaft system")?;
+    files.draw(
+        "",
+        &Sheet::single(panel, caption),
+        "Bifurcation diagram of the bush-shaft system",
+    )?;
     let rows = diagram.columns.iter().enumerate().flat_map(|(index, column)| {
         let value = axis.value(index);
         column.iter().map(move |&[x, y]| [value, x, y])

@@ -3,12 +3,11 @@
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::{Value, json};
-use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
+use tribochaos::backend::cpu::{self, CpuBackend, InstructionSet};
 use tribochaos::backend::gpu::{GpuBackend, GpuContext, adapters};
 use tribochaos::backend::{Backend, twins};
 use tribochaos::design::Axis;
-use tribochaos::engine::choice;
-use tribochaos::engine::{Backends, audit};
+use tribochaos::engine::{Backends, audit, choice};
 use tribochaos::experiment::{Precision, Request};
 use tribochaos::map::ParameterMap;
 use tribochaos::output::PROGRAM;
@@ -42,8 +41,7 @@ pub fn run(args: &DevicesArgs) -> Result<(), Failure> {
         args.json.print(&object()?);
         return Ok(());
     }
-    let threads = rayon::current_num_threads();
-    print_line!("CPU, {threads} thread{}", if threads == 1 { "" } else { "s" });
+    print_line!("CPU, {}", cpu::threads());
     for (rank, set) in InstructionSet::available().into_iter().enumerate() {
         let used = if rank == 0 { "  (used)" } else { "" };
         print_line!(

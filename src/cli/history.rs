@@ -97,11 +97,7 @@ pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
         histories::stacked(&history, scales.as_ref()),
         words(&experiment, args, periods, &history),
     );
-    files.draw(
-        "",
-        &sheet.draw().map_err(Failure::run)?,
-        "History of the bush-shaft system",
-    )?;
+    files.draw("", &sheet, "History of the bush-shaft system")?;
     let mut notes = vec![
         "tau: time; x, y: angle phi of the bush and its speed phi-dot; v: sliding speed".to_owned(),
         "pressure: p, 0 in the gap; wear: u_w; temperature: theta(1, tau); all dimensionless".to_owned(),

@@ -139,10 +139,8 @@ impl Plan {
         );
         let start: [Coordinate; 2] = [Parameter::X0.into(), Parameter::Y0.into()];
         let caption = vec![caption::fixed(&experiment.design.fixed, &start), numerics];
-        let figure = Sheet::single(survival::survival(&survival, &decay), caption)
-            .draw()
-            .map_err(Failure::run)?;
-        files.draw("", &figure, "Lifetime of chaos of the bush-shaft system")?;
+        let sheet = Sheet::single(survival::survival(&survival, &decay), caption);
+        files.draw("", &sheet, "Lifetime of chaos of the bush-shaft system")?;
         let rows = survival.steps().into_iter().map(|(time, left)| {
             let fitted = match decay {
                 Decay::Exponential(fit) if time >= fit.start => fit.left_after(f64::from(time), 0.0),

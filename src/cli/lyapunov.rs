@@ -227,8 +227,11 @@ fn draw(
             caption::integrated_on(line.measurements.iter().map(|m| m.backend))
         ),
     ];
-    let figure = Sheet::single(panel, caption).draw().map_err(Failure::run)?;
-    files.draw("", &figure, "Lyapunov exponents of the bush-shaft system")
+    files.draw(
+        "",
+        &Sheet::single(panel, caption),
+        "Lyapunov exponents of the bush-shaft system",
+    )
 }
 
 fn table(files: &mut Files, experiment: &Experiment, lines: &[Line]) -> Result<(), Failure> {

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use tribochaos::design::{Axis, Coordinate};
 use tribochaos::engine::audit::{self, Audit};
 use tribochaos::engine::choice::{self, Choice};
-use tribochaos::engine::{self, Cause, EngineError, Sink, Table, Work, estimate};
+use tribochaos::engine::{self, Backends, Cause, EngineError, Sink, Table, Work, estimate};
 use tribochaos::experiment::{Experiment, Request};
 use tribochaos::map::ParameterMap;
 use tribochaos::output::picture::{self, Style};
@@ -141,10 +141,10 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
         ..Style::default()
     };
     if let Err(error) = picture::check_size(&experiment, &style) {
-        eprintln!("warning: {error}; the store is written all the same");
+        eprintln!("warning: {error}");
     }
     let outputs = Outputs::new(request.out.as_deref().unwrap_or("outputs/map".as_ref()));
-    let choice = choice::choose(&experiment).map_err(Failure::backend)?;
+    let mut choice = choice::choose(&experiment).map_err(Failure::backend)?;
     if args.dry_run {
         let store = outputs.check(&experiment, args.force).map_err(Failure::Input)?;
         return dry_run(&experiment, choice, &outputs, store.as_ref());
@@ -161,7 +161,8 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
 
     progress::catch_signals();
     let started = Instant::now();
-    let work = compute(&experiment, choice, &mut store)?;
+    let work = compute(&experiment, &mut choice.backends, &mut store);
+    let work = work.map_err(|error| unfinished(error, &outputs.store()))?;
     let elapsed = started.elapsed();
 
     let map = store.read_map().map_err(Failure::run)?;
@@ -191,18 +192,14 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
 /// Computes a map of which only the object is wanted.
 fn run_in_memory(experiment: &Experiment, choice: Choice, json: JsonArgs) -> Result<(), Failure> {
     let mut backends = choice.backends;
-    let points = experiment.design.len();
-    let progress = Progress::new(engine::instance_periods(&experiment.settings, points), points);
     let mut table = Table::new(experiment.clone(), backends.points_per_unit(experiment));
     progress::catch_signals();
     let started = Instant::now();
-    let work = engine::run_on(&mut backends, experiment, &mut table, &mut |event| progress.hear(event));
-    let work = work.map_err(|error| match error.cause {
+    let work = compute(experiment, &mut backends, &mut table).map_err(|error| match error.cause {
         Cause::Stopped => Failure::Interrupted("nothing is kept without --out".to_owned()),
         Cause::Backend(error) => Failure::backend(error),
         Cause::Sink(error) => Failure::Run(anyhow!(error)),
     })?;
-    drop(progress);
     let map = ParameterMap::try_from(table.into_results()).map_err(Failure::input)?;
     json.print(&object(&map, &work, started.elapsed(), &[backends.active().device()]));
     Ok(())
@@ -217,30 +214,30 @@ fn object(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[String]
     object
 }
 
-/// Computes what the store lacks; returns how much that was.
-fn compute(experiment: &Experiment, choice: Choice, store: &mut MapStore) -> Result<Work, Failure> {
-    let mut backends = choice.backends;
+/// Computes what the sink lacks, and shows how far it has come; returns how much that was.
+fn compute(experiment: &Experiment, backends: &mut Backends, sink: &mut dyn Sink) -> Result<Work, EngineError> {
     let points = experiment.design.len();
     let progress = Progress::new(engine::instance_periods(&experiment.settings, points), points);
-    let path = store.path().to_owned();
-    let finished = engine::run_on(&mut backends, experiment, store, &mut |event| progress.hear(event));
-    finished.map_err(|EngineError { cause, finished, units }| {
-        let kept = |reason: &str| {
-            format!(
-                "{reason}; {finished} of {units} tiles are finished and kept in {path}: the same command goes on from there, \
-                 `tribochaos render {path}` draws them",
-                path = path.display()
-            )
-        };
-        match cause {
-            Cause::Stopped => Failure::Interrupted(kept("the map is not finished")),
-            Cause::Sink(error) => Failure::Run(anyhow!(error)),
-            Cause::Backend(error) => match Failure::backend(error) {
-                Failure::Run(error) => Failure::Run(anyhow!(kept(&super::with_causes(&error)))),
-                other => other,
-            },
-        }
-    })
+    engine::run_on(backends, experiment, sink, &mut |event| progress.hear(event))
+}
+
+/// Why a store is not finished, what it has, and how to go on.
+fn unfinished(EngineError { cause, finished, units }: EngineError, store: &Path) -> Failure {
+    let kept = |reason: &str| {
+        format!(
+            "{reason}; {finished} of {units} tiles are finished and kept in {path}: the same command goes on from there, \
+             `tribochaos render {path}` draws them",
+            path = store.display()
+        )
+    };
+    match cause {
+        Cause::Stopped => Failure::Interrupted(kept("the map is not finished")),
+        Cause::Sink(error) => Failure::Run(anyhow!(error)),
+        Cause::Backend(error) => match Failure::backend(error) {
+            Failure::Run(error) => Failure::Run(anyhow!(kept(&super::with_causes(&error)))),
+            other => other,
+        },
+    }
 }
 
 /// Audits the map as the settings ask, and stores what came out.

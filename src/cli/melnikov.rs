@@ -192,11 +192,7 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
     shown.extend(args.at.as_ref().map(|values| values.coordinate));
     let caption = |shown: &[Coordinate]| vec![caption::fixed(&at, shown), format!("{PROGRAM}.")];
     let sheet = Sheet::single(charts::melnikov("", &curves, None), caption(&shown));
-    files.draw(
-        "",
-        &sheet.draw().map_err(Failure::run)?,
-        "Mel'nikov's function of the bush-shaft system",
-    )?;
+    files.draw("", &sheet, "Mel'nikov's function of the bush-shaft system")?;
     let note = analysis::unit_note(&experiment, &[coordinate], "");
     let notes: Vec<String> = [note].into_iter().filter(|note| !note.is_empty()).collect();
     files.table("", &notes, [coordinate.name(), "tau_0", "melnikov"], rows.into_iter())?;
@@ -211,7 +207,7 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
         shown.extend([along.coordinate, over.coordinate]);
         let sheet = Sheet::single(charts::threshold(&curve), caption(&shown));
         let title = format!("Mel'nikov's threshold in {}", along.coordinate);
-        files.draw("-threshold", &sheet.draw().map_err(Failure::run)?, &title)?;
+        files.draw("-threshold", &sheet, &title)?;
         let rows = curve.thresholds.iter().enumerate();
         files.table(
             "-threshold",

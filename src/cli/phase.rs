@@ -127,11 +127,7 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
         ),
     ];
     let sheet = Sheet::single(charts::phase("", &orbits, None, None), caption);
-    files.draw(
-        "",
-        &sheet.draw().map_err(Failure::run)?,
-        "Phase plane of the bush-shaft system",
-    )?;
+    files.draw("", &sheet, "Phase plane of the bush-shaft system")?;
     files.table(
         "",
         &[analysis::unit_note(

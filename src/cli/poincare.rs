@@ -126,7 +126,7 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     ];
     files.draw(
         "",
-        &Sheet::single(panel, caption).draw().map_err(Failure::run)?,
+        &Sheet::single(panel, caption),
         "Stroboscopic section of the bush-shaft system",
     )?;
     files.table(

@@ -99,24 +99,40 @@ pub fn duration(duration: Duration) -> String {
     }
 }
 
-/// Counts of a map's points by class and status, what is beyond the model's limits, and what the map is of, for `--json`.
+/// Points of a map by class and status.
+struct Counts {
+    /// In the order of [`Class::ALL`].
+    classes: [usize; Class::ALL.len()],
+    computed: usize,
+    runaway: usize,
+    under_resolved: usize,
+}
+
+impl Counts {
+    fn of(map: &ParameterMap) -> Self {
+        let points = map.experiment.design.len();
+        let count = |is: &dyn Fn(usize) -> bool| (0..points).filter(|&index| is(index)).count();
+        Self {
+            classes: Class::ALL.map(|class| count(&|index| map.class(index) == Some(class))),
+            computed: count(&|index| map.is_computed(index)),
+            runaway: count(&|index| map.is_runaway(index)),
+            under_resolved: count(&|index| map.is_under_resolved(index)),
+        }
+    }
+
+    fn ok(&self) -> usize {
+        self.computed - self.runaway - self.under_resolved
+    }
+}
+
+/// What a map is of, its points by class and status, and what is beyond the model's limits, for `--json`.
 pub fn object(map: &ParameterMap) -> Value {
-    let points = map.experiment.design.len();
-    let count = |is: &dyn Fn(usize) -> bool| (0..points).filter(|&index| is(index)).count();
+    let counts = Counts::of(map);
     let classes: serde_json::Map<String, Value> = Class::ALL
         .into_iter()
-        .map(|class| {
-            (
-                class.name().to_owned(),
-                count(&|index| map.class(index) == Some(class)).into(),
-            )
-        })
+        .zip(counts.classes)
+        .map(|(class, count)| (class.name().to_owned(), count.into()))
         .collect();
-    let [runaway, under_resolved] = [
-        count(&|index| map.is_runaway(index)),
-        count(&|index| map.is_under_resolved(index)),
-    ];
-    let computed = count(&|index| map.is_computed(index));
     let beyond: serde_json::Map<String, Value> = map
         .shares_beyond_limits()
         .into_iter()
@@ -124,10 +140,10 @@ pub fn object(map: &ParameterMap) -> Value {
         .collect();
     json!({
         "experiment": map.experiment.to_toml(),
-        "points": points,
-        "computed": computed,
+        "points": map.experiment.design.len(),
+        "computed": counts.computed,
         "classes": classes,
-        "status": { "ok": computed - runaway - under_resolved, "runaway": runaway, "under_resolved": under_resolved },
+        "status": { "ok": counts.ok(), "runaway": counts.runaway, "under_resolved": counts.under_resolved },
         "share_beyond_limits": beyond,
     })
 }
@@ -161,20 +177,18 @@ pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[St
         }
     }
     let share = |count: usize| format!("{count} ({:.1} %)", 100.0 * count as f64 / points as f64);
-    let classes = Class::ALL.map(|class| {
-        let count = (0..points).filter(|&index| map.class(index) == Some(class)).count();
-        format!("{} {}", class.name(), share(count))
-    });
-    let runaways = (0..points).filter(|&index| map.is_runaway(index)).count();
-    let under_resolved = (0..points).filter(|&index| map.is_under_resolved(index)).count();
-    let computed = (0..points).filter(|&index| map.is_computed(index)).count();
+    let counts = Counts::of(map);
+    let names = Class::ALL.into_iter().zip(counts.classes);
+    let classes: Vec<String> = names
+        .map(|(class, count)| format!("{} {}", class.name(), share(count)))
+        .collect();
     let _ = writeln!(text, "class:  {}", classes.join(", "));
     let counted = |quantity, code| map.column(quantity).iter().filter(|value| **value == code).count();
     if map.experiment.wears() {
         let transient = (0..points)
             .filter(|&index| map.is_computed(index) && map.class(index).is_none())
             .count()
-            .saturating_sub(runaways + under_resolved);
+            .saturating_sub(counts.runaway + counts.under_resolved);
         let _ = writeln!(text, "        transient, since the contact wears: {}", share(transient));
         let lost = counted(Quantity::ContactStatus, 1.0);
         let held = counted(Quantity::ContactStatus, 0.0);
@@ -183,9 +197,9 @@ pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[St
     let _ = writeln!(
         text,
         "status: ok {}, runaway {}, under-resolved {}",
-        share(computed - runaways - under_resolved),
-        share(runaways),
-        share(under_resolved)
+        share(counts.ok()),
+        share(counts.runaway),
+        share(counts.under_resolved)
     );
     let column = |quantity| map.column(quantity).iter();
     let defect = column(Quantity::Lyapunov)
@@ -213,6 +227,7 @@ pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[St
             finer(settings)
         );
     }
+    let under_resolved = counts.under_resolved;
     if under_resolved > 0 {
         let _ = writeln!(
             text,

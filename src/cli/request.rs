@@ -119,8 +119,8 @@ impl ExperimentArgs {
     /// # Errors
     /// As [`SubjectArgs::apply`].
     pub fn apply(&self, request: &mut Request) -> Result<(), Failure> {
-        for &(parameter, value) in self.preset.map_or(&[][..], Preset::values) {
-            request.set.insert(parameter.name().to_owned(), value);
+        if let Some(preset) = self.preset {
+            request.set_preset(preset);
         }
         self.subject.apply(request)?;
         let settings = &mut request.settings;
@@ -258,7 +258,10 @@ pub fn named<T: for<'de> Deserialize<'de>>(text: &str) -> Result<T, String> {
 
 /// The table of parameters, for the end of a command's help.
 pub fn parameter_table() -> String {
-    let mut help = String::from("Parameters (dimensionless; any of them can be an axis or be set):\n");
+    let mut help = String::from(
+        "Parameters (dimensionless; any of them can be an axis or be set). An axis is\n\
+         NAME=START:STOP:COUNT, NAME=log:START:STOP:COUNT or NAME=V1,V2,...:\n",
+    );
     for info in PARAMETERS {
         let (min, max) = info.range;
         let _ = writeln!(

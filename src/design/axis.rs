@@ -322,26 +322,15 @@ impl Axis {
     /// The axis with `count` values between the same ends: at equal distances, or at equal ratios where its own are.
     #[must_use]
     pub fn resampled(&self, count: usize) -> Self {
-        let spacing = match &self.spacing {
-            Spacing::Even { start, stop, .. } => Spacing::Even {
-                start: *start,
-                stop: *stop,
-                count,
-            },
-            Spacing::Logarithmic { start, stop, .. } => Spacing::Logarithmic {
-                start: *start,
-                stop: *stop,
-                count,
-            },
+        let mut axis = self.clone();
+        match &mut axis.spacing {
+            Spacing::Even { count: own, .. } | Spacing::Logarithmic { count: own, .. } => *own = count,
             Spacing::Listed(_) => {
                 let [start, stop] = self.ends();
-                Spacing::Even { start, stop, count }
+                axis.spacing = Spacing::Even { start, stop, count };
             }
-        };
-        Self {
-            coordinate: self.coordinate,
-            spacing,
         }
+        axis
     }
 
     /// Indices in the order in which the values rise.

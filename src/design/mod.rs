@@ -122,6 +122,13 @@ impl Extents {
     }
 }
 
+/// The first coordinate that is there a second time.
+pub fn first_twice(coordinates: &[Coordinate]) -> Option<Coordinate> {
+    let mut rest = coordinates.iter().enumerate();
+    let found = rest.find(|(index, coordinate)| coordinates[..*index].contains(coordinate));
+    found.map(|(_, coordinate)| *coordinate)
+}
+
 impl Design {
     /// The product of some axes.
     pub fn product(axes: Vec<Axis>, fixed: Fixed) -> Self {

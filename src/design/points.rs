@@ -4,7 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{AxisError, Coordinate};
+use super::{Coordinate, first_twice};
 
 /// Points one by one: a value of each coordinate for every point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,9 +50,8 @@ impl Points {
         if columns == 0 || rows.is_empty() {
             return Err(PointsError::Empty);
         }
-        if let Some(twice) = (1..columns).find(|&column| coordinates[..column].contains(&coordinates[column])) {
-            let name = coordinates[twice].name();
-            return Err(PointsError::ColumnTwice { name });
+        if let Some(twice) = first_twice(&coordinates) {
+            return Err(PointsError::ColumnTwice { name: twice.name() });
         }
         let mut faults = Vec::new();
         for (index, row) in rows.iter().enumerate() {
@@ -120,8 +119,6 @@ pub enum PointsError {
         /// One for each, naming row, column, value and limit.
         faults: Vec<String>,
     },
-    #[error(transparent)]
-    Coordinate(#[from] AxisError),
 }
 
 /// Faults that a message names one by one.

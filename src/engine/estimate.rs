@@ -4,8 +4,7 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use super::{Backends, Event, instance_periods};
-use crate::backend::BackendError;
-use crate::backend::BackendKind;
+use crate::backend::{BackendError, BackendKind};
 use crate::experiment::Experiment;
 
 /// A sample that takes so long tells enough...

@@ -14,10 +14,7 @@ impl Experiment {
     /// Begins an experiment. Without axes and points it is one point: that of the default parameters.
     pub fn builder() -> Builder {
         Builder {
-            request: Request {
-                axes: None,
-                ..Request::default()
-            },
+            request: Request::default(),
         }
     }
 }
@@ -50,9 +47,7 @@ impl Builder {
     /// Sets the values of a preset.
     #[must_use]
     pub fn preset(mut self, preset: Preset) -> Self {
-        for &(parameter, value) in preset.values() {
-            self.request.set.insert(parameter.name().to_owned(), value);
-        }
+        self.request.set_preset(preset);
         self
     }
 

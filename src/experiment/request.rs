@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::{BackendChoice, Experiment, ExperimentError, Precision, Settings};
-use crate::design::{Axis, Coordinate, Design, Fixed, Points, Varied};
+use super::{BackendChoice, Experiment, ExperimentError, Precision, Preset, Settings};
+use crate::design::{Axis, Coordinate, Design, Fixed, Points, Varied, first_twice};
 use crate::machine::{Description, SiQuantity};
 use crate::parameters::{Parameter, ParameterSet};
 
@@ -76,6 +76,13 @@ impl Request {
         }
     }
 
+    /// Sets the values of a preset, over what is set already.
+    pub fn set_preset(&mut self, preset: Preset) {
+        for &(parameter, value) in preset.values() {
+            self.set.insert(parameter.name().to_owned(), value);
+        }
+    }
+
     /// The axes of a map for which none are asked: zeta_k = 0..12, 300 values, by h1 = 0..2, 201 values.
     pub fn default_map() -> [Axis; 2] {
         let axis = |parameter: Parameter, stop, count| {
@@ -112,10 +119,8 @@ impl Request {
     /// # Errors
     /// As [`Request::resolve`].
     pub fn resolve_over(&self, varied: Varied) -> Result<Experiment, ExperimentError> {
-        let coordinates = varied.coordinates();
-        if let Some(twice) = (1..coordinates.len()).find(|&index| coordinates[..index].contains(&coordinates[index])) {
-            let name = coordinates[twice].name();
-            return Err(ExperimentError::SameAxes { name });
+        if let Some(twice) = first_twice(&varied.coordinates()) {
+            return Err(ExperimentError::SameAxes { name: twice.name() });
         }
         let design = Design {
             fixed: self.fixed(&varied)?,

@@ -12,34 +12,44 @@ pub mod csv;
 pub mod store;
 pub mod table;
 
-/// Modules of pictures.
-macro_rules! pictures {
-    ($($visibility:vis mod $name:ident;)*) => {
-        $(#[cfg(feature = "pictures")] $visibility mod $name;)*
-    };
-}
-pictures! {
-    pub mod caption;
-    pub mod charts;
-    pub mod colour;
-    mod colour_bar;
-    pub mod density;
-    pub mod drawing;
-    pub mod figure;
-    pub mod histories;
-    pub mod panel;
-    pub mod picture;
-    mod plot;
-    pub mod png;
-    mod raster;
-    pub mod sheet;
-    pub mod survival;
-    mod svg;
-    mod text;
-    mod ticks;
-}
+#[cfg(feature = "pictures")]
+pub mod caption;
+#[cfg(feature = "pictures")]
+pub mod charts;
+#[cfg(feature = "pictures")]
+pub mod colour;
+#[cfg(feature = "pictures")]
+mod colour_bar;
+#[cfg(feature = "pictures")]
+pub mod density;
+#[cfg(feature = "pictures")]
+pub mod drawing;
+#[cfg(feature = "pictures")]
+pub mod figure;
+#[cfg(feature = "pictures")]
+pub mod histories;
+#[cfg(feature = "pictures")]
+pub mod panel;
+#[cfg(feature = "pictures")]
+pub mod picture;
+#[cfg(feature = "pictures")]
+mod plot;
+#[cfg(feature = "pictures")]
+pub mod png;
+#[cfg(feature = "pictures")]
+mod raster;
 #[cfg(all(test, feature = "pictures"))]
 mod samples;
+#[cfg(feature = "pictures")]
+pub mod sheet;
+#[cfg(feature = "pictures")]
+pub mod survival;
+#[cfg(feature = "pictures")]
+mod svg;
+#[cfg(feature = "pictures")]
+mod text;
+#[cfg(feature = "pictures")]
+mod ticks;
 
 /// The program and its version, as outputs name it.
 pub const PROGRAM: &str = concat!("tribochaos ", env!("CARGO_PKG_VERSION"));

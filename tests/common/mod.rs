@@ -9,8 +9,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use tribochaos::backend::Backend;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::experiment::{Precision, Scheme, Settings};
-use tribochaos::measure::Measurement;
-use tribochaos::measure::measure_batch;
+use tribochaos::measure::{Measurement, measure_batch};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 /// Settings with every number that enters a result written out, so that a changed default moves no reference value.

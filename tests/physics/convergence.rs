@@ -5,8 +5,7 @@ use std::ops::ControlFlow;
 
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::experiment::{Precision, Preset, Settings};
-use tribochaos::measure::measure_batch;
-use tribochaos::measure::{Class, Measurement, Status};
+use tribochaos::measure::{Class, Measurement, Status, measure_batch};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 /// Ends of zeta_k: its whole range, and where chaos sets in without heat.

@@ -137,6 +137,42 @@ fn exponents_tend_to_a_limit_as_the_layer_becomes_thin() {
     }
 }
 
+/// A limit cycle without a drive, on which the bush dips into a thin layer in every turn and turns there. The exponents are those of
+/// taylor and of 100,000 fixed steps a period (-0.6639), and of the standing proof's reference.
+#[test]
+fn grazes_of_a_thin_layer_are_met_by_every_scheme() {
+    use Parameter::{Alpha, B, Beta, Epsilon, Epsilon0, F0, H1, Omega0, OmegaK, X0, Y0, ZetaK};
+    let grazing = |epsilon_0: f64| {
+        point(&[
+            (ZetaK, 0.0),
+            (Omega0, 0.08269),
+            (H1, 0.596),
+            (Epsilon, 0.1768),
+            (F0, 1.511),
+            (Alpha, 0.6786),
+            (Beta, 0.4817),
+            (OmegaK, -0.2138),
+            (B, 2.589),
+            (Epsilon0, epsilon_0),
+            (X0, -0.4718),
+            (Y0, 0.1569),
+        ])
+    };
+    for (epsilon_0, exponent, tolerance) in [(1e-4, -0.6638, 1e-3), (5.825e-6, -7.585, 0.1)] {
+        for scheme in [Scheme::Taylor, Scheme::Radau] {
+            let measured = measure(Precision::F64, &settings(scheme), &[grazing(epsilon_0)]);
+            let m = &measured[0];
+            assert_eq!(m.class, Some(Class::Regular), "{scheme:?} at {epsilon_0}: {m:?}");
+            assert!(
+                close(m, exponent, tolerance),
+                "{scheme:?} at {epsilon_0}: {} +- {}",
+                m.lyapunov,
+                m.lyapunov_error
+            );
+        }
+    }
+}
+
 #[test]
 fn a_layer_that_a_number_type_does_not_resolve_is_left_to_one_that_does() {
     use Parameter::{Epsilon0, ZetaK};

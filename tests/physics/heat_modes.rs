@@ -7,8 +7,7 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::experiment::{MAX_MODES, Precision, Request, Settings};
-use tribochaos::measure::Measurement;
-use tribochaos::measure::measure_batch;
+use tribochaos::measure::{Measurement, measure_batch};
 use tribochaos::model::thermal_modes::ThermalModes;
 use tribochaos::parameters::Parameter;
 

@@ -1,8 +1,7 @@
 //! The Taylor scheme against the reference integrator, and its tangent recurrences against dual numbers.
 
-use tribochaos::backend::BackendKind;
 use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
-use tribochaos::backend::{Backend, EndState, Slice, Stage};
+use tribochaos::backend::{Backend, BackendKind, EndState, Slice, Stage};
 use tribochaos::dynamics::reference::{Reference, ReferenceOrbit};
 use tribochaos::dynamics::tangent::Vector;
 use tribochaos::dynamics::taylor::series::{Local, Series};

@@ -29,8 +29,7 @@ use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
 use tribochaos::backend::{Backend, BackendError};
 use tribochaos::experiment::{Precision, Scheme, Settings};
-use tribochaos::measure::measure_batch;
-use tribochaos::measure::{Measurement, Status};
+use tribochaos::measure::{Measurement, Status, measure_batch};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 use attractor::Truth;

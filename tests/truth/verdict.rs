@@ -13,8 +13,7 @@
 //! - **wrong**: all else;
 //! - **unknown**: the reference itself gave up.
 
-use tribochaos::backend::Backend;
-use tribochaos::backend::BackendKind;
+use tribochaos::backend::{Backend, BackendKind};
 use tribochaos::experiment::Settings;
 use tribochaos::measure::{Class, Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};

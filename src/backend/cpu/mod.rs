@@ -77,6 +77,12 @@ impl CpuBackend {
     }
 }
 
+/// The number of threads, in words.
+pub fn threads() -> String {
+    let threads = rayon::current_num_threads();
+    format!("{threads} thread{}", if threads == 1 { "" } else { "s" })
+}
+
 impl Backend for CpuBackend {
     fn kind(&self) -> BackendKind {
         match self.precision {
@@ -87,12 +93,12 @@ impl Backend for CpuBackend {
 
     fn device(&self) -> String {
         let lanes = self.instructions.lanes(self.precision);
-        let threads = rayon::current_num_threads();
         format!(
-            "CPU, {} lanes of {} {}, {threads} threads",
+            "CPU, {} lanes of {} {}, {}",
             self.instructions.name(),
             lanes,
-            self.kind().precision()
+            self.kind().precision(),
+            threads()
         )
     }
 

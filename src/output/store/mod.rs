@@ -226,11 +226,11 @@ impl MapStore {
 
     /// All tiles, row by row; those at the far edges are cut to the map.
     pub fn tiles(&self) -> impl Iterator<Item = Tile> + '_ {
-        tile::tiles(axes(&self.experiment).map(Axis::count), self.tile)
+        (0..self.units()).map(|unit| self.unit(unit))
     }
 
     fn unit(&self, unit: usize) -> Tile {
-        self.tiles().nth(unit).expect("a unit of the store")
+        tile::tile(axes(&self.experiment).map(Axis::count), self.tile, unit)
     }
 
     /// Writes the measurements of a tile, x fastest. A tile counts as finished only once all of it is on disk.
@@ -416,7 +416,7 @@ impl MapStore {
 
 impl Sink for MapStore {
     fn units(&self) -> usize {
-        self.tiles().count()
+        tile::count(axes(&self.experiment).map(Axis::count), self.tile)
     }
 
     fn points(&self, unit: usize) -> Vec<usize> {

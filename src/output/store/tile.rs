@@ -28,16 +28,21 @@ impl Tile {
     }
 }
 
-/// All tiles of a map of `x` by `y` points, row by row, in tiles of so many rows and columns.
-pub fn tiles([x, y]: [usize; 2], [rows, cols]: [usize; 2]) -> impl Iterator<Item = Tile> {
-    (0..y).step_by(rows).flat_map(move |row0| {
-        (0..x).step_by(cols).map(move |col0| Tile {
-            row0,
-            rows: rows.min(y - row0),
-            col0,
-            cols: cols.min(x - col0),
-        })
-    })
+/// Number of tiles of a map of `x` by `y` points, in tiles of so many rows and columns.
+pub fn count([x, y]: [usize; 2], [rows, cols]: [usize; 2]) -> usize {
+    y.div_ceil(rows) * x.div_ceil(cols)
+}
+
+/// The tile `index` of such a map, counted row by row.
+pub fn tile([x, y]: [usize; 2], [rows, cols]: [usize; 2], index: usize) -> Tile {
+    let in_a_row = x.div_ceil(cols);
+    let (row0, col0) = (index / in_a_row * rows, index % in_a_row * cols);
+    Tile {
+        row0,
+        rows: rows.min(y - row0),
+        col0,
+        cols: cols.min(x - col0),
+    }
 }
 
 /// Rows and columns of the tiles of a map of `x` by `y` points, of about `points` points: whole rows if they hold no more, else parts of
@@ -63,7 +68,9 @@ mod tests {
 
     #[test]
     fn tiles_cover_every_point_once() {
-        let mut all: Vec<usize> = tiles([7, 5], [2, 3]).flat_map(|tile| tile.indices(7)).collect();
+        let (map, shape) = ([7, 5], [2, 3]);
+        let tiles = (0..count(map, shape)).map(|index| tile(map, shape, index));
+        let mut all: Vec<usize> = tiles.flat_map(|tile| tile.indices(7)).collect();
         all.sort_unstable();
         assert_eq!(all, Vec::from_iter(0..35));
     }

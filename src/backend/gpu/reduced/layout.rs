@@ -9,8 +9,7 @@ use super::super::layout::Access::{Read, ReadWrite, Uniform};
 use super::super::layout::{Binding, Count, Span, last_states};
 use crate::backend::{Contact, EndState, Sums};
 use crate::dynamics::drive::DriveTable;
-use crate::dynamics::stroboscope;
-use crate::dynamics::taylor;
+use crate::dynamics::{stroboscope, taylor};
 use crate::experiment::{Scheme, Settings};
 use crate::parameters::{Parameter, ParameterSet};
 
