@@ -1,10 +1,10 @@
-//! The border of a region on a design of points: marching squares.
+//! The border of a region on a grid of points: marching squares.
 //!
-//! Owns which edges of the design the border crosses, and in which order; where on an edge it does, the caller finds.
+//! Owns which edges of the grid the border crosses, and in which order; where on an edge it does, the caller finds.
 
 use std::collections::BTreeMap;
 
-/// The way from a point of the design to its neighbour, which comes after it.
+/// The way from a point of the grid to its neighbour, which comes after it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Edge {
     pub from: usize,

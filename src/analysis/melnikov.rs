@@ -107,7 +107,7 @@ pub fn curve_over_map(experiment: &Experiment) -> Result<Vec<[f64; 2]>, CurveErr
     Ok(points.collect::<Result<_, MelnikovError>>()?)
 }
 
-/// Where the border crosses an edge of the design over the axes.
+/// Where the border crosses an edge of the grid over the axes.
 fn crossing(fixed: &Fixed, axes: &[Axis; 2], inside: &[Option<bool>], edge: Edge) -> Result<[f64; 2], MelnikovError> {
     let place = |point: usize| [axes[0].value(point % MAP_VALUES), axes[1].value(point / MAP_VALUES)];
     let (outer, inner) = if inside[edge.to] == Some(true) {

@@ -12,7 +12,7 @@ pub enum Status {
     /// The state became non-finite, or left |x| + |y| < [`RUNAWAY_BOUND`](crate::model::motion::RUNAWAY_BOUND), or the thermal pressure reached
     /// [`PRESSURE_BOUND`](crate::dynamics::adaptive::PRESSURE_BOUND).
     Runaway {
-        /// The end of the forcing period in which it happened, in units of tau from the start of the run.
+        /// When, in units of tau from the start of the run.
         time: f64,
     },
     /// The sum of the exponents misses the mean divergence by more than [`DEFECT_BOUND`], a number overflowed, or the

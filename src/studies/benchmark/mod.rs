@@ -11,7 +11,7 @@ use crate::design::{Axis, AxisError, Design};
 use crate::experiment::Preset;
 use crate::parameters::{Parameter, ParameterSet};
 
-/// Points along an axis of the reduced model's design.
+/// Points along an axis of the reduced model's grid.
 const SIDE: usize = 64;
 
 /// The reduced model's plane, zeta_k 0..12 by h1 0..2, with so many columns and rows.
@@ -32,7 +32,7 @@ fn every(design: &Design, stride: usize) -> Vec<ParameterSet> {
         .collect()
 }
 
-/// Every `stride`-th point of the design of 64 x 64 points over zeta_k 0..12 and h1 0..2. An odd stride meets all of its rows
+/// Every `stride`-th point of the grid of 64 x 64 points over zeta_k 0..12 and h1 0..2. An odd stride meets all of its rows
 /// and columns.
 ///
 /// # Errors
