@@ -129,3 +129,40 @@ fn contact_tolerance<R: Real>(fit: R) -> R {
     let unit = if single::<R>() { 4e-6 } else { 1e-6 };
     R::splat(unit) * (fit.abs() + R::splat(1.0))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ends(f: impl Fn(f64) -> f64, allowed: f64, aim: f64) -> (f64, bool) {
+        stays(f(0.0), NODES.map(f), allowed, aim)
+    }
+
+    #[test]
+    fn a_step_below_the_level_is_taken_whole() {
+        assert_eq!(ends(|s| -1.0 + 0.5 * s, 0.0, -0.1), (1.0, true));
+        // the Bezier points reach above the level; the cubic does not
+        assert_eq!(ends(|s| -0.01 - 4.0 * (s - 0.4).powi(2), 0.0, -0.005), (1.0, true));
+    }
+
+    #[test]
+    fn a_step_ends_where_a_quantity_first_comes_to_its_aim() {
+        for crossing in [0.05, 0.3, 0.9] {
+            let (part, stays) = ends(|s| s - crossing, 0.02, 0.01);
+            assert!(!stays && (part - crossing - 0.01).abs() < 1e-12, "{crossing}: {part}");
+        }
+    }
+
+    #[test]
+    fn a_dip_between_the_nodes_ends_a_step() {
+        // below the level at the start and at all three nodes (0.155, 0.645, 1), above it around the turn
+        for (turn, width) in [(0.4, 0.2), (0.82, 0.1)] {
+            let dip = |s: f64| width * width - (s - turn).powi(2);
+            assert!(dip(0.0) < 0.0 && NODES.into_iter().all(|node| dip(node) < 0.0));
+            let (part, stays) = ends(dip, 0.002, 0.001);
+            assert!(!stays, "turn at {turn}");
+            let expected = turn - (width * width - 0.001_f64).sqrt();
+            assert!((part - expected).abs() < 1e-6, "turn at {turn}: {part} for {expected}");
+        }
+    }
+}
