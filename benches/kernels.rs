@@ -9,7 +9,7 @@ use divan::counter::ItemsCount;
 use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
 use tribochaos::backend::gpu::{GpuBackend, GpuContext};
 use tribochaos::backend::{Backend, Slice, Stage};
-use tribochaos::experiment::{Precision, Settings};
+use tribochaos::experiment::{Precision, Sampling, Settings};
 use tribochaos::studies::benchmark::kernels::Case;
 
 fn main() {
@@ -140,7 +140,10 @@ impl Phase {
         let instances = self.case.points();
         // the slices of all iterations stay within the measured periods
         let settings = Settings {
-            periods: 1_000_000,
+            sampling: Sampling {
+                periods: 1_000_000,
+                ..self.case.settings().sampling
+            },
             ..self.case.settings()
         };
         backend.load(&settings, &instances).expect("the grid fits");

@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .preset(Preset::Paper)
         .set("zeta_k", 3.9)?
         .build()?;
-    let history = history(&experiment.design.point(0), &experiment.settings, 0..30, 16);
+    let history = history(&experiment.design.point(0), &experiment.settings.integration, 0..30, 16);
     for sample in history.samples.iter().step_by(32) {
         println!(
             "tau = {:7.3}  p = {:8.3}  u_w = {:7.3}",

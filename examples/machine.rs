@@ -6,7 +6,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use tribochaos::machine::TEMPLATE;
-use tribochaos::{Axis, Description, Experiment, ParameterMap, Quantity, Settings, draw, run};
+use tribochaos::{Axis, Description, Experiment, ParameterMap, Quantity, Sampling, draw, run};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "outputs".to_owned()));
@@ -15,9 +15,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         .axis(Axis::even("shaft_speed_amplitude", 100.0, 470.0, 40)?)
         .axis(Axis::even("radial_stiffness", 4e5, 1.2e6, 30)?)
         .set("x0", 0.0)?
-        .settings(Settings {
+        .sampling(Sampling {
             periods: 60,
-            ..Settings::default()
+            ..Sampling::default()
         })
         .build()?;
     println!(

@@ -76,7 +76,7 @@ pub mod studies;
 
 pub use self::design::{Axis, Points};
 pub use self::engine::{Sink, run, run_into};
-pub use self::experiment::{Experiment, Preset, Request, Settings};
+pub use self::experiment::{Device, Experiment, Integration, Preset, Request, Sampling, Scheme, Settings};
 pub use self::machine::Description;
 pub use self::map::ParameterMap;
 pub use self::measure::{Class, Measurement, Quantity, Status};

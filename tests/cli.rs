@@ -10,7 +10,7 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 use tempfile::TempDir;
-use tribochaos::experiment::Settings;
+use tribochaos::experiment::{Integration, Sampling};
 
 use program::{text, tribochaos};
 
@@ -95,7 +95,14 @@ fn a_map_is_computed_stored_drawn_and_drawn_again() {
     // the picture carries the experiment
     let from = tribochaos(
         folder.path(),
-        &["map", "--from", "other/name-lyapunov.png", "--print-experiment"],
+        &[
+            "map",
+            "--from",
+            "other/name-lyapunov.png",
+            "--backend",
+            "cpu",
+            "--print-experiment",
+        ],
     );
     let direct = small_map(folder.path(), &["--print-experiment"]);
     assert!(from.status.success());
@@ -499,20 +506,20 @@ fn told(command: &str, option: &str) -> String {
 #[test]
 fn help_names_the_defaults_that_hold() {
     let folder = TempDir::new().unwrap();
-    let defaults = Settings::default();
+    let (usual, defaults) = (Integration::default(), Sampling::default());
     for (option, default) in [
         (
             "modes",
-            format!("{}, and more where heat is conducted slowly", defaults.modes()),
+            format!("{}, and more where heat is conducted slowly", usual.modes),
         ),
-        ("tolerance", format!("{:e}", defaults.tolerance)),
+        ("tolerance", format!("{:e}", usual.tolerance)),
         ("transient-periods", defaults.transient_periods.to_string()),
         (
             "align-periods",
             format!("{}, or the whole of a shorter transient", defaults.align_periods),
         ),
         ("periods", defaults.periods.to_string()),
-        ("renormalise-every", defaults.renormalise_every.to_string()),
+        ("renormalise-every", usual.renormalise_every.to_string()),
         ("period-tolerance", format!("{:e}", defaults.period_tolerance)),
         ("max-period", defaults.max_period.to_string()),
         ("initial-states", defaults.initial_states.to_string()),
@@ -596,15 +603,160 @@ fn errors_are_told_once_and_with_their_line() {
     }
 }
 
+/// Every file that a command writes holds the experiment, by which the command writes the same again.
 #[test]
-fn a_picture_of_another_command_is_told_from_a_strange_one() {
+fn an_experiment_comes_back_from_every_file_of_its_command() {
     let folder = TempDir::new().unwrap();
-    let drawn = tribochaos(folder.path(), &["bifurcation", "--x", "zeta_k=1:2:2", "--out", "b"]);
-    assert!(drawn.status.success());
-    assert_refused(
-        &tribochaos(folder.path(), &["map", "--from", "b.png"]),
-        "b.png was drawn by `tribochaos bifurcation`: --from takes the picture of a map",
+    let run = |args: &[&str]| {
+        let output = tribochaos(folder.path(), args);
+        assert!(output.status.success(), "{args:?}: {}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let short = ["--transient-periods", "20", "--periods", "20"];
+    let cases: [&[&str]; 7] = [
+        &["bifurcation", "--x", "zeta_k=1:2:3", "--show", "y", "--follow", "up"],
+        &[
+            "lyapunov",
+            "--x",
+            "h1=0.1,0.2",
+            "--start",
+            "0.5,0",
+            "--limits=-1:1",
+            "--no-onset",
+        ],
+        &["phase", "--at", "zeta_k=3.5,3.9", "--start", "1,0", "--start", "-1,0"],
+        &[
+            "poincare",
+            "--points",
+            "64",
+            "--window=-2:2,-3:3",
+            "--transient-periods",
+            "20",
+        ],
+        &["history", "--periods", "3", "--samples", "8", "--preset", "paper"],
+        &[
+            "melnikov",
+            "--at",
+            "h1=0.5",
+            "--threshold",
+            "zeta_k=1:9",
+            "--over",
+            "b=1:2:3",
+        ],
+        &[
+            "point",
+            "--lifetime",
+            "100",
+            "--lifetime-periods",
+            "100",
+            "--set",
+            "zeta_k=3.5",
+        ],
+    ];
+    for case in cases {
+        let takes_lengths = ["bifurcation", "lyapunov", "phase"].contains(&case[0]);
+        let lengths = if takes_lengths { &short[..] } else { &[] };
+        let args = [case, lengths, &["--set", "omega_0=1.5", "--out", "drawn"]].concat();
+        let printed = run(&[&args[..], &["--print-experiment"]].concat());
+        assert!(printed.starts_with(&format!("command = \"{}\"", case[0])), "{printed}");
+        assert!(!folder.path().join("drawn.png").exists(), "{case:?} has drawn");
+        run(&args);
+        for file in ["drawn.png", "drawn.svg", "drawn.csv"] {
+            let again = run(&[case[0], "--from", file, "--print-experiment"]);
+            assert_eq!(again, printed, "{file} of {case:?}");
+        }
+        // what was drawn is drawn over by the same, and by nothing else
+        run(&[case[0], "--from", "drawn.svg", "--out", "drawn"]);
+        let other = tribochaos(
+            folder.path(),
+            &[case[0], "--from", "drawn.svg", "--set", "omega_0=1.6", "--out", "drawn"],
+        );
+        assert_refused(&other, "drawn.png shows something else");
+        for ending in ["png", "svg", "csv"] {
+            fs::remove_file(folder.path().join(format!("drawn.{ending}"))).unwrap();
+        }
+    }
+}
+
+/// Of another command's file its parameters are taken, and what else means the same to both.
+#[test]
+fn an_experiment_of_another_command_gives_its_parameters() {
+    let folder = TempDir::new().unwrap();
+    let printed = |args: &[&str]| {
+        let output = tribochaos(folder.path(), &[args, &["--print-experiment"]].concat());
+        assert!(output.status.success(), "{args:?}: {}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let write = |name: &str, text: String| fs::write(folder.path().join(name), text).unwrap();
+    let set = [
+        "--set",
+        "b=1.25",
+        "--set",
+        "zeta_k=3.5",
+        "--scheme",
+        "rk4",
+        "--periods",
+        "99",
+    ];
+    write(
+        "phase.toml",
+        printed(&[&["phase", "--start", "1,0"], &set[..]].concat()),
     );
+    // lengths of its own, a scheme that means the same, options that mean nothing
+    let bifurcation = printed(&["bifurcation", "--from", "phase.toml"]);
+    assert!(
+        bifurcation.contains("b = 1.25") && bifurcation.contains("rk4"),
+        "{bifurcation}"
+    );
+    assert!(bifurcation.contains("\nperiods = 200\n"), "{bifurcation}");
+    assert!(bifurcation.contains("start = [[0.1, 0.0]]"), "{bifurcation}");
+    // a map is decided early, and its axes lose the values that they had
+    let map = printed(&["map", "--from", "phase.toml"]);
+    assert!(
+        map.contains("decide_early = true") && map.contains("\nperiods = 99\n"),
+        "{map}"
+    );
+    assert!(!map.contains("zeta_k = ") && !map.contains("command"), "{map}");
+    // as many axes as the command has are taken over
+    write("line.toml", printed(&["lyapunov", "--x", "h1=0.1:0.7:4"]));
+    assert!(printed(&["bifurcation", "--from", "line.toml"]).contains("parameter = \"h1\""));
+    assert!(printed(&["bifurcation", "--from", "line.toml", "--x", "b=1:2:3"]).contains("h1 = 0.5"));
+    // an error in a file is told with its place
+    write(
+        "bad.toml",
+        "command = 'phase'\n[options]\nstarts = [[1, 0]]\n".to_owned(),
+    );
+    let bad = tribochaos(folder.path(), &["phase", "--from", "bad.toml"]);
+    assert_refused(&bad, "unknown field `starts`");
+    write("bad.csv", "# tribochaos 0.1.0\nx,y\n1,2\n".to_owned());
+    let bad = tribochaos(folder.path(), &["phase", "--from", "bad.csv"]);
+    assert_refused(&bad, "bad.csv holds no experiment");
+}
+
+/// On what a map was computed is no part of it.
+#[test]
+fn a_store_is_gone_on_with_on_another_device() {
+    let folder = TempDir::new().unwrap();
+    assert!(small_map(folder.path(), &[]).status.success());
+    let other = tribochaos(
+        folder.path(),
+        &["map", "--from", "outputs/map.zarr", "--audit", "3", "--backend", "auto"],
+    );
+    assert!(other.status.success(), "{}", text(&other.stderr));
+    assert!(text(&other.stdout).contains("in the store already"));
+    let other = tribochaos(
+        folder.path(),
+        &[
+            "map",
+            "--from",
+            "outputs/map.zarr",
+            "--precision",
+            "f32",
+            "--out",
+            "outputs/map",
+        ],
+    );
+    assert_refused(&other, "another experiment");
 }
 
 #[test]

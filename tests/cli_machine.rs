@@ -221,7 +221,8 @@ fn a_map_over_quantities_is_stored_with_its_machine_and_drawn_in_si() {
         folder.path(),
         &[&MAP[..], &["--print-experiment"]].concat(),
     ));
-    let from = ["map", "--from", "outputs/map-lyapunov.png", "--print-experiment"];
+    let from = ["map", "--from", "outputs/map-lyapunov.png", "--backend", "cpu"];
+    let from = [&from[..], &["--print-experiment"]].concat();
     assert_eq!(done(&tribochaos(folder.path(), &from)), printed);
     fs::write(path("e.toml"), &printed).unwrap();
     assert_eq!(

@@ -12,14 +12,15 @@ use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
 use tribochaos::design::Axis;
 use tribochaos::engine::{Backends, Event, audit, estimate};
-use tribochaos::experiment::{Experiment, Precision, Request, Settings};
+use tribochaos::experiment::{Experiment, Precision, Request, Sampling, Settings};
 use tribochaos::map::ParameterMap;
 use tribochaos::measure::{Class, Measurement, Quantity};
 
 fn experiment(x: &str, y: &str, settings: Settings) -> Experiment {
     let request = Request {
         axes: Some(vec![Axis::parse(x).unwrap(), Axis::parse(y).unwrap()]),
-        settings,
+        integration: settings.integration.into(),
+        sampling: settings.sampling,
         ..Request::default()
     };
     request.resolve().unwrap()
@@ -70,8 +71,11 @@ fn classes_of_a_gpu_map_are_those_of_the_f64_map() {
     let Some(context) = gpu_context::open() else { return };
     // long enough for most chaotic transients to end: when one ends is chance, in f64 as in f32
     let settings = Settings {
-        transient_periods: 1500,
-        periods: 600,
+        sampling: Sampling {
+            transient_periods: 1500,
+            periods: 600,
+            ..Sampling::default()
+        },
         ..Settings::default()
     };
     let experiment = experiment("zeta_k=0:6:64", "h1=0:1.5:64", settings);
@@ -117,8 +121,11 @@ fn classes_of_a_gpu_map_are_those_of_the_f64_map() {
 fn a_map_whose_gpu_is_lost_is_finished_on_the_cpu() {
     let Some(context) = gpu_context::open() else { return };
     let settings = Settings {
-        transient_periods: 120,
-        periods: 64,
+        sampling: Sampling {
+            transient_periods: 120,
+            periods: 64,
+            ..Sampling::default()
+        },
         ..Settings::default()
     };
     // three batches of a software adapter
@@ -183,14 +190,20 @@ fn a_map_whose_gpu_is_lost_is_finished_on_the_cpu() {
 #[test]
 fn the_largest_exponent_of_several_initial_states_is_reported() {
     let several = Settings {
-        initial_states: 6,
-        transient_periods: 100,
-        periods: 100,
+        sampling: Sampling {
+            initial_states: 6,
+            transient_periods: 100,
+            periods: 100,
+            ..Sampling::default()
+        },
         ..Settings::default()
     };
     let one = Settings {
-        initial_states: 1,
-        ..several.clone()
+        sampling: Sampling {
+            initial_states: 1,
+            ..several.sampling
+        },
+        ..several
     };
     let [several, one] = [several, one]
         .map(|settings| experiment("zeta_k=3:4.5:6", "h1=0.1:0.9:4", settings))
@@ -219,7 +232,7 @@ fn the_estimate_of_a_map_with_wear_is_about_what_it_takes() {
     };
     request.set.insert("gamma".into(), 1.87);
     request.set.insert("h1".into(), 0.5);
-    request.settings.periods = 60;
+    request.sampling.periods = 60;
     let experiment = request.resolve().unwrap();
     let mut backends = cpu(Precision::F64);
     let estimate = estimate::seconds(&mut backends, &experiment).unwrap();

@@ -14,7 +14,7 @@ use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::shader_source::Lanes;
 use tribochaos::backend::gpu::{GpuBackend, GpuContext};
 use tribochaos::backend::{Backend, BackendError, BackendKind, Slice, Stage};
-use tribochaos::experiment::{Precision, Request, Scheme, Settings};
+use tribochaos::experiment::{Integration, Precision, Request, Sampling, Scheme, Settings};
 use tribochaos::measure::{Measurement, Status, measure_batch};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
@@ -34,11 +34,16 @@ fn with_lanes(lanes: Lanes) -> Option<GpuBackend> {
 
 fn cheap() -> Settings {
     Settings {
-        steps_per_period: Some(100),
-        transient_periods: 20,
-        align_periods: 10,
-        periods: 40,
-        ..Settings::default()
+        integration: Integration {
+            steps_per_period: 100,
+            ..Integration::default()
+        },
+        sampling: Sampling {
+            transient_periods: 20,
+            align_periods: 10,
+            periods: 40,
+            ..Sampling::default()
+        },
     }
 }
 
@@ -56,7 +61,10 @@ fn a_batch_of_more_workgroups_than_a_dispatch_may_have_is_carried_on_whole() {
         return;
     };
     let settings = Settings {
-        steps_per_period: Some(8),
+        integration: Integration {
+            steps_per_period: 8,
+            ..Integration::default()
+        },
         ..Settings::default()
     };
     let instances = line(70_000);
@@ -91,8 +99,11 @@ fn neither_the_batch_nor_what_ran_before_shows_in_the_results() {
     assert_eq!(parts, all);
     // a longer measurement in between needs new buffers
     let longer = Settings {
-        periods: 60,
-        ..settings.clone()
+        sampling: Sampling {
+            periods: 60,
+            ..settings.sampling
+        },
+        ..settings
     };
     measure(&mut backend, &longer, &instances[..7]);
     assert_eq!(text(&measure(&mut backend, &settings, &instances)), all);
@@ -118,9 +129,14 @@ fn lanes_do_not_feel_their_neighbours() {
         .collect();
     for scheme in [Scheme::Taylor, Scheme::Rk4] {
         let settings = Settings {
-            scheme: Some(scheme),
-            decide_early: false,
-            ..cheap()
+            integration: Integration {
+                steps_per_period: 100,
+                ..scheme.into()
+            },
+            sampling: Sampling {
+                decide_early: false,
+                ..cheap().sampling
+            },
         };
         let mut alone = None;
         for lanes in Lanes::ALL {
@@ -186,9 +202,12 @@ fn slices_add_up_and_sums_are_collected_once() {
 #[test]
 fn runaways_are_found_when_they_happen_as_on_the_cpu() {
     let settings = Settings {
-        transient_periods: 20,
-        align_periods: 5,
-        periods: 20,
+        sampling: Sampling {
+            transient_periods: 20,
+            align_periods: 5,
+            periods: 20,
+            ..Sampling::default()
+        },
         ..Settings::default()
     };
     // bounded orbits; softening springs, which let go in finite time and end as NaN; and x' = y = x = 5e3, the bound, ln 2 before
@@ -249,7 +268,10 @@ fn a_device_lost_in_the_middle_of_a_run_is_reported_at_once() {
     let instances = line(64);
     // one load for the whole run
     let settings = Settings {
-        decide_early: false,
+        sampling: Sampling {
+            decide_early: false,
+            ..Sampling::default()
+        },
         ..Settings::default()
     };
     let mut lost_at = None;
@@ -284,8 +306,11 @@ fn a_device_lost_while_it_computes_is_reported_at_once() {
         Instant::now()
     });
     let endless = Settings {
-        transient_periods: 10_000_000,
-        decide_early: false,
+        sampling: Sampling {
+            transient_periods: 10_000_000,
+            decide_early: false,
+            ..Sampling::default()
+        },
         ..Settings::default()
     };
     let result = measure_batch(&mut backend, &endless, &line(512), &mut |_| ControlFlow::Continue(()));
@@ -314,8 +339,10 @@ fn what_the_gpu_cannot_do_is_refused_with_a_remedy() {
         error.to_string()
     };
     let many_steps = |steps_per_period| Settings {
-        scheme: Some(Scheme::Rk4),
-        steps_per_period: Some(steps_per_period),
+        integration: Integration {
+            steps_per_period,
+            ..Integration::from(Scheme::Rk4)
+        },
         ..Settings::default()
     };
     let message = refusal(&many_steps(8193), &[set]);
@@ -379,7 +406,7 @@ fn points_are_decided_early_as_on_the_cpu() {
 
 fn assert_alike(on_gpu: &[Measurement], on_cpu: &[Measurement], settings: &Settings) {
     let pairs = || on_gpu.iter().zip(on_cpu);
-    let full_length = settings.transient_periods + settings.periods;
+    let full_length = settings.sampling.transient_periods + settings.sampling.periods;
     let early = pairs().filter(|(gpu, _)| gpu.integrated_periods < full_length);
     assert!(early.count() * 100 >= 95 * on_cpu.len());
     let same = pairs().filter(|(gpu, cpu)| gpu.class == cpu.class).count();
@@ -411,16 +438,22 @@ fn long_periods_are_found_as_on_the_cpu() {
     let points = [2.9, 2.92, 2.9225].map(|zeta_k| duffing.with(Parameter::ZetaK, zeta_k));
     let most = |backend: &GpuBackend, max_period| {
         backend.batch_size(&Settings {
-            max_period,
+            sampling: Sampling {
+                max_period,
+                ..Sampling::default()
+            },
             ..Settings::default()
         })
     };
     assert!(most(&backend, 1024) <= most(&backend, 64));
     for (max_period, longest) in [(1024, Some(32)), (64, Some(32)), (16, None)] {
         let settings = Settings {
-            transient_periods: 2000,
-            periods: 2 * max_period.max(64),
-            max_period,
+            sampling: Sampling {
+                transient_periods: 2000,
+                periods: 2 * max_period.max(64),
+                max_period,
+                ..Sampling::default()
+            },
             ..Settings::default()
         };
         for measured in [

@@ -9,7 +9,7 @@
 mod common;
 
 use common::{from_state, measure, pinned_settings, point};
-use tribochaos::experiment::{Precision, Settings};
+use tribochaos::experiment::{Integration, Precision, Sampling, Settings};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 const SPACING: f64 = 0.0025;
@@ -49,11 +49,16 @@ const ONSETS: [Onset; 4] = [
 /// Scans from 0.4 below to 0.02 above the expected onset.
 fn first_chaos(onset: &Onset, precision: Precision, steps_per_period: u32) -> Option<f64> {
     let settings = Settings {
-        steps_per_period: Some(steps_per_period),
-        transient_periods: 380,
-        periods: 100,
-        renormalise_every: steps_per_period / 4,
-        ..pinned_settings()
+        integration: Integration {
+            steps_per_period,
+            renormalise_every: steps_per_period / 4,
+            ..pinned_settings().integration
+        },
+        sampling: Sampling {
+            transient_periods: 380,
+            periods: 100,
+            ..pinned_settings().sampling
+        },
     };
     let first = ((onset.zeta_k - 0.4) / SPACING).round() as u32;
     let last = ((onset.zeta_k + 0.02) / SPACING).round() as u32;

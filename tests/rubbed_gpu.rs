@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
 use tribochaos::backend::{Backend, BackendError, Slice, Stage};
-use tribochaos::experiment::{Precision, Preset, Scheme, Settings};
+use tribochaos::experiment::{Integration, Precision, Preset, Sampling, Scheme, Settings};
 use tribochaos::measure::{Measurement, Status, measure_batch};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
@@ -23,13 +23,17 @@ fn preset(zeta_k: f64, k_w: f64) -> ParameterSet {
 
 fn settings() -> Settings {
     Settings {
-        scheme: Some(Scheme::Radau),
-        modes: Some(8),
-        tolerance: 1e-4,
-        transient_periods: 60,
-        align_periods: 30,
-        periods: 60,
-        ..Settings::default()
+        integration: Integration {
+            modes: 8,
+            tolerance: 1e-4,
+            ..Integration::from(Scheme::Radau)
+        },
+        sampling: Sampling {
+            transient_periods: 60,
+            align_periods: 30,
+            periods: 60,
+            ..Sampling::default()
+        },
     }
 }
 
@@ -55,7 +59,10 @@ fn is_near(a: f64, b: f64, part: f64) -> bool {
 fn wear_and_heat_are_those_of_f64_over_the_whole_range() {
     let Some(context) = gpu_context::open() else { return };
     let settings = Settings {
-        periods: 30,
+        sampling: Sampling {
+            periods: 30,
+            ..settings().sampling
+        },
         ..settings()
     };
     let instances: Vec<_> = (0..=24).map(|i| preset(0.5 * f64::from(i), 0.01)).collect();
@@ -173,9 +180,12 @@ fn short_trajectories_are_those_of_the_cpu() {
 fn neither_the_batch_nor_the_slices_nor_what_ran_before_show_in_the_results() {
     let Some(context) = gpu_context::open() else { return };
     let settings = Settings {
-        transient_periods: 4,
-        align_periods: 2,
-        periods: 16,
+        sampling: Sampling {
+            transient_periods: 4,
+            align_periods: 2,
+            periods: 16,
+            ..settings().sampling
+        },
         ..settings()
     };
     // those with wear and those without are carried on apart
@@ -189,13 +199,16 @@ fn neither_the_batch_nor_the_slices_nor_what_ran_before_show_in_the_results() {
     assert_eq!(parts, all);
     // other kernels in between, of another number of modes and of another scheme
     let other = Settings {
-        modes: Some(3),
-        ..settings.clone()
+        integration: Integration {
+            modes: 3,
+            ..settings.integration
+        },
+        ..settings
     };
     measure(&mut backend, &other, &instances[..5]);
     let rk4 = Settings {
-        scheme: Some(Scheme::Rk4),
-        ..settings.clone()
+        integration: Scheme::Rk4.into(),
+        ..settings
     };
     measure(&mut backend, &rk4, &[ParameterSet::default()]);
     assert_eq!(text(&measure(&mut backend, &settings, &instances)), all);
@@ -224,9 +237,12 @@ fn neither_the_batch_nor_the_slices_nor_what_ran_before_show_in_the_results() {
 fn runaways_are_reported_and_nothing_more_is_asked_of_them() {
     let Some(context) = gpu_context::open() else { return };
     let settings = Settings {
-        transient_periods: 4,
-        align_periods: 2,
-        periods: 16,
+        sampling: Sampling {
+            transient_periods: 4,
+            align_periods: 2,
+            periods: 16,
+            ..settings().sampling
+        },
         ..settings()
     };
     // where friction does not brake the bush, heat feeds on heat
@@ -246,7 +262,10 @@ fn numbers_of_modes_beyond_the_shader_s_are_refused() {
     let mut backend = GpuBackend::new(context);
     for modes in [0, 65] {
         let settings = Settings {
-            modes: Some(modes),
+            integration: Integration {
+                modes,
+                ..settings().integration
+            },
             ..settings()
         };
         let error = backend.load(&settings, &[preset(3.0, 0.0)]).unwrap_err();
@@ -258,9 +277,14 @@ fn numbers_of_modes_beyond_the_shader_s_are_refused() {
     }
     // many modes still work, and give what few do
     let load = Settings {
-        modes: Some(64),
-        periods: 24,
-        ..settings()
+        integration: Integration {
+            modes: 64,
+            ..settings().integration
+        },
+        sampling: Sampling {
+            periods: 24,
+            ..settings().sampling
+        },
     };
     let [many] = measure(&mut backend, &load, &[preset(3.9, 0.01)])[..] else {
         unreachable!()

@@ -11,7 +11,7 @@ use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
 use tribochaos::backend::gpu::shader_source::Lanes;
 use tribochaos::backend::{Backend, Slice, Stage};
-use tribochaos::experiment::{Precision, Scheme, Settings};
+use tribochaos::experiment::{Precision, Sampling, Scheme, Settings};
 use tribochaos::measure::{Class, Measurement, measure_batch};
 
 use points::line;
@@ -37,7 +37,7 @@ fn assert_short_trajectories(gpu: &mut GpuBackend, scheme: Scheme, of_a_step: f6
     // an odd number, so that lanes are to spare
     let instances = line(255);
     let settings = Settings {
-        scheme: Some(scheme),
+        integration: scheme.into(),
         ..Settings::default()
     };
     for precision in [Precision::F32, Precision::F64] {
@@ -68,7 +68,7 @@ fn assert_short_trajectories(gpu: &mut GpuBackend, scheme: Scheme, of_a_step: f6
                         .fold((a.divergence - b.divergence).abs(), f64::max)
                 })
                 .fold(0.0, f64::max);
-            let bound = of_a_step * f64::from(settings.steps_per_period() * (first + 1));
+            let bound = of_a_step * f64::from(settings.integration.steps_per_period * (first + 1));
             assert!(worst < bound, "{scheme:?} {precision:?}, period {first}: {worst}");
             // the tangent vectors feel where in a step the layer's boundary is crossed
             assert!(
@@ -82,9 +82,12 @@ fn assert_short_trajectories(gpu: &mut GpuBackend, scheme: Scheme, of_a_step: f6
 #[test]
 fn long_orbits_agree_closely_where_regular_and_within_their_errors_where_chaotic() {
     let settings = Settings {
-        transient_periods: 150,
-        align_periods: 30,
-        periods: 600,
+        sampling: Sampling {
+            transient_periods: 150,
+            align_periods: 30,
+            periods: 600,
+            ..Sampling::default()
+        },
         ..Settings::default()
     };
     let instances = line(192);

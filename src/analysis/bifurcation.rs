@@ -49,7 +49,7 @@ impl Diagram {
 }
 
 /// The bifurcation diagram over `axis`, all else being that of `at`: from each of the initial states `starts`
-/// (x, y), or following the attractors that begin there, `settings.periods` states after `settings.transient_periods` in
+/// (x, y), or following the attractors that begin there, `sampling.periods` states after `settings.sampling.transient_periods` in
 /// each column. An orbit that runs away while it is followed begins anew at its initial state. None if `progress` broke the
 /// work off.
 ///
@@ -115,11 +115,15 @@ mod tests {
     use super::*;
     use crate::backend::cpu::CpuBackend;
     use crate::experiment::Precision;
+    use crate::experiment::Sampling;
 
     fn compute(axis: &str, starts: &[[f64; 2]], columns: Columns) -> Diagram {
         let settings = Settings {
-            transient_periods: 200,
-            periods: 32,
+            sampling: Sampling {
+                transient_periods: 200,
+                periods: 32,
+                ..Sampling::default()
+            },
             ..Settings::default()
         };
         let axis = Axis::parse(axis).unwrap();

@@ -11,7 +11,7 @@
 use crate::backend::BackendError;
 use crate::design::{Axis, Coordinate, Design, Fixed};
 use crate::engine::{Backends, Observer};
-use crate::experiment::{Scheme, Settings};
+use crate::experiment::{Sampling, Scheme, Settings};
 use crate::measure::{Class, Measurement, Status};
 use crate::parameters::Parameter;
 
@@ -43,17 +43,20 @@ impl Definition {
     /// then at least 4000 a period; those of the other schemes end at the layer's boundaries.
     pub fn new(settings: &Settings) -> Self {
         let mut settings = Settings {
-            transient_periods: 380,
-            align_periods: 50,
-            periods: 100,
-            decide_early: false,
-            initial_states: 1,
-            ..settings.clone()
+            sampling: Sampling {
+                transient_periods: 380,
+                align_periods: 50,
+                periods: 100,
+                decide_early: false,
+                initial_states: 1,
+                ..settings.sampling
+            },
+            ..*settings
         };
-        if settings.scheme() == Scheme::Rk4 {
-            let steps = settings.steps_per_period().max(4000);
-            settings.steps_per_period = Some(steps);
-            settings.renormalise_every = steps / 4;
+        if settings.integration.scheme == Scheme::Rk4 {
+            let steps = settings.integration.steps_per_period.max(4000);
+            settings.integration.steps_per_period = steps;
+            settings.integration.renormalise_every = steps / 4;
         }
         Self {
             least_exponent: 0.005,
@@ -230,8 +233,11 @@ impl Scan<'_> {
         observer: &mut Observer<'_>,
     ) -> Result<Option<Option<(usize, Measurement)>>, BackendError> {
         let longer = Settings {
-            periods: CONFIRMING_PERIODS,
-            ..self.definition.settings.clone()
+            sampling: Sampling {
+                periods: CONFIRMING_PERIODS,
+                ..self.definition.settings.sampling
+            },
+            ..self.definition.settings
         };
         let candidates: Vec<usize> = (0..points.len())
             .filter(|&place| self.definition.is_chaos(&measured[place]))
@@ -376,9 +382,9 @@ mod tests {
     #[test]
     fn chaos_that_ends_is_passed() {
         let (definition, at, mut backends) = parts();
-        let starts = offsets(&Settings {
+        let starts = offsets(&Sampling {
             initial_states: 65,
-            ..Settings::default()
+            ..Sampling::default()
         });
         let scan = scan(&definition, &at, "h1=-0.015:-0.01:2", 0.015, &starts);
         let carry_on = &mut |_: crate::engine::Event<'_>| ControlFlow::Continue(());

@@ -4,14 +4,14 @@
 //! Knows nothing of what states are for.
 
 use super::Progress;
-use crate::backend::{Backend, BackendError, EndState, Slice, Stage};
+use crate::backend::{Backend, BackendError, EndState, Slice, Stage, check_model};
 use crate::experiment::Settings;
 use crate::parameters::ParameterSet;
 
 /// Longest slice, so that progress shows and the work can be broken off.
 const LONGEST_SLICE: u32 = 16;
 
-/// Carries instances from their initial states over `settings.transient_periods` and then `settings.periods` forcing
+/// Carries instances from their initial states over `settings.sampling.transient_periods` and then `sampling.periods` forcing
 /// periods; `visit(instance, [x, y])` is called at the end of each of the latter, at drive phase 0, for every instance that has
 /// neither run away nor been given up. Returns the states at the end, in the order of the instances; None if `progress` broke the work off.
 ///
@@ -24,23 +24,21 @@ pub fn stroboscopic_states(
     visit: &mut dyn FnMut(usize, [f64; 2]),
     progress: &mut Progress<'_>,
 ) -> Result<Option<Vec<EndState>>, BackendError> {
-    let settings = &settings
-        .for_model(instances.iter().any(ParameterSet::is_rubbed))
-        .map_err(|error| BackendError::Unsupported(error.to_string()))?;
+    check_model(&settings.integration, instances)?;
     let mut all_ends = Vec::with_capacity(instances.len());
     let batch_size = backend.batch_size(settings);
     for batch in instances.chunks(batch_size) {
         backend.load(settings, batch)?;
         let first_instance = all_ends.len();
         let mut ends = Vec::new();
-        let total = settings.transient_periods + settings.periods;
+        let total = settings.sampling.transient_periods + settings.sampling.periods;
         let mut elapsed = 0;
         while elapsed < total {
-            let visited = elapsed >= settings.transient_periods;
+            let visited = elapsed >= settings.sampling.transient_periods;
             let periods = if visited {
                 1
             } else {
-                LONGEST_SLICE.min(settings.transient_periods - elapsed)
+                LONGEST_SLICE.min(settings.sampling.transient_periods - elapsed)
             };
             backend.advance(&Slice {
                 stage: Stage::Transient,
@@ -76,13 +74,16 @@ mod tests {
     use super::*;
     use crate::analysis::path::{PathPoint, path};
     use crate::backend::cpu::CpuBackend;
-    use crate::experiment::{Precision, Scheme};
+    use crate::experiment::{Precision, Sampling, Scheme};
     use crate::parameters::Parameter;
 
     fn settings(transient_periods: u32, periods: u32) -> Settings {
         Settings {
-            transient_periods,
-            periods,
+            sampling: Sampling {
+                transient_periods,
+                periods,
+                ..Sampling::default()
+            },
             ..Settings::default()
         }
     }
@@ -92,7 +93,7 @@ mod tests {
         // radau's steps end at a path's points, and err otherwise than those between them
         for (scheme, bound) in [(Scheme::Taylor, 1e-6), (Scheme::Rk4, 1e-6), (Scheme::Radau, 1e-3)] {
             let settings = Settings {
-                scheme: Some(scheme),
+                integration: scheme.into(),
                 ..settings(5, 16)
             };
             assert_agreement(&settings, bound);

@@ -32,12 +32,12 @@ pub struct Path {
     pub status: Status,
 }
 
-/// The path of one orbit in f64 over `settings.periods` forcing periods after `settings.transient_periods`, with
+/// The path of one orbit in f64 over `sampling.periods` forcing periods after `settings.sampling.transient_periods`, with
 /// `points_per_period` points evenly in each period (of rk4, no more than it has steps), and one at the end. Radau carries
 /// frictional heat and wear; by the other schemes the pressure is 1.
 pub fn path(parameters: &ParameterSet, settings: &Settings, points_per_period: u32) -> Path {
-    let steps = settings.steps_per_period();
-    match settings.scheme() {
+    let steps = settings.integration.steps_per_period;
+    match settings.integration.scheme {
         Scheme::Rk4 => walk(
             FixedSteps::new(parameters, steps),
             parameters,
@@ -78,10 +78,10 @@ fn has_run_away([x, y]: [f64; 2]) -> bool {
 
 /// The path with frictional heat and wear.
 fn follow(parameters: &ParameterSet, settings: &Settings, points_per_period: u32) -> Path {
-    let shown = settings.transient_periods..settings.transient_periods + settings.periods;
+    let shown = settings.sampling.transient_periods..settings.sampling.transient_periods + settings.sampling.periods;
     let step = parameters.forcing_period() / f64::from(points_per_period);
     let begin = f64::from(shown.start) * parameters.forcing_period();
-    let history = history(parameters, settings, shown, points_per_period);
+    let history = history(parameters, &settings.integration, shown, points_per_period);
     // an orbit that was given up in the transient has left one sample, from before its end
     let samples = history
         .samples
@@ -105,8 +105,8 @@ fn follow(parameters: &ParameterSet, settings: &Settings, points_per_period: u32
 fn walk(mut walker: impl Walker, parameters: &ParameterSet, settings: &Settings, points_per_period: u32) -> Path {
     let forcing_period = parameters.forcing_period();
     let mut points = Vec::new();
-    for period in 0..settings.transient_periods + settings.periods {
-        let shown = period.checked_sub(settings.transient_periods);
+    for period in 0..settings.sampling.transient_periods + settings.sampling.periods {
+        let shown = period.checked_sub(settings.sampling.transient_periods);
         let is_whole = walker.period(points_per_period, &mut |phase, [x, y]| {
             if let Some(shown) = shown {
                 points.push(PathPoint {
@@ -129,7 +129,7 @@ fn walk(mut walker: impl Walker, parameters: &ParameterSet, settings: &Settings,
     }
     let [x, y] = walker.state();
     points.push(PathPoint {
-        tau: f64::from(settings.periods) * forcing_period,
+        tau: f64::from(settings.sampling.periods) * forcing_period,
         x,
         y,
         is_stroboscopic: true,

@@ -32,8 +32,8 @@ pub struct Section {
     pub runaways: usize,
 }
 
-/// The stroboscopic section: `settings.periods` states from each of `orbits` orbits that begin within [`SPREAD`] of
-/// (x0, y0), after `settings.transient_periods`. None if `progress` broke the work off.
+/// The stroboscopic section: `sampling.periods` states from each of `orbits` orbits that begin within [`SPREAD`] of
+/// (x0, y0), after `settings.sampling.transient_periods`. None if `progress` broke the work off.
 ///
 /// # Errors
 /// If the backend fails.
@@ -44,7 +44,7 @@ pub fn section(
     orbits: u32,
     progress: &mut Progress<'_>,
 ) -> Result<Option<Section>, BackendError> {
-    let mut generator = ChaCha8Rng::seed_from_u64(settings.seed.into());
+    let mut generator = ChaCha8Rng::seed_from_u64(settings.sampling.seed.into());
     let mut deviation = || ((generator.next_u64() >> 11) as f64 / (1u64 << 52) as f64 - 1.0) * SPREAD;
     let instances: Vec<ParameterSet> = (0..orbits)
         .map(|orbit| {
@@ -58,7 +58,7 @@ pub fn section(
                 .with(Parameter::Y0, at[Parameter::Y0] + dy)
         })
         .collect();
-    let mut points = Vec::with_capacity(orbits as usize * settings.periods as usize);
+    let mut points = Vec::with_capacity(orbits as usize * settings.sampling.periods as usize);
     let ends = stroboscopic_states(
         backend,
         settings,
@@ -78,12 +78,16 @@ mod tests {
     use super::*;
     use crate::backend::cpu::CpuBackend;
     use crate::experiment::Precision;
+    use crate::experiment::Sampling;
 
     #[test]
     fn orbits_of_a_section_have_parted_and_fill_the_attractor() {
         let settings = Settings {
-            transient_periods: 200,
-            periods: periods(4000, 100),
+            sampling: Sampling {
+                transient_periods: 200,
+                periods: periods(4000, 100),
+                ..Sampling::default()
+            },
             ..Settings::default()
         };
         let mut backend = CpuBackend::new(Precision::F64);

@@ -8,9 +8,9 @@ use super::Progress;
 use super::exponents::from;
 use super::orbits::is_bounded;
 use crate::backend::cpu::CpuBackend;
-use crate::backend::{Backend, BackendError, BackendKind, EndState, Slice, Stage, Sums};
+use crate::backend::{Backend, BackendError, BackendKind, EndState, Slice, Stage, Sums, check_model};
 use crate::dynamics::stroboscope::{most_states, period_of, span_of};
-use crate::experiment::{Precision, Scheme, Settings};
+use crate::experiment::{Precision, Sampling, Scheme, Settings};
 use crate::measure::fallback;
 use crate::parameters::ParameterSet;
 
@@ -52,7 +52,7 @@ pub struct Fate {
 
 /// Forcing periods that orbits are followed beyond the longest time, in which they show what they have settled on.
 pub fn confirming(settings: &Settings) -> u32 {
-    2 * most_states(settings.max_period)
+    2 * most_states(settings.sampling.max_period)
 }
 
 /// Follows the orbits of the instance `at` from the states `starts`, each (x, y), over `longest` forcing periods, and as many
@@ -69,13 +69,11 @@ pub fn follow(
     longest: u32,
     progress: &mut Progress<'_>,
 ) -> Result<Option<Vec<Fate>>, BackendError> {
-    let settings = &settings
-        .for_model(at.is_rubbed())
-        .map_err(|error| BackendError::Unsupported(error.to_string()))?;
+    check_model(&settings.integration, std::slice::from_ref(at))?;
     let Some(mut fates) = follow_by_one(backend, settings, at, starts, longest, progress)? else {
         return Ok(None);
     };
-    let (mut scheme, mut kind) = (settings.scheme(), backend.kind());
+    let (mut scheme, mut kind) = (settings.integration.scheme, backend.kind());
     let is_last = |scheme, kind| match scheme {
         Scheme::Taylor => false,
         // under heat and wear there is no other scheme
@@ -117,10 +115,13 @@ fn follow_by_one(
 ) -> Result<Option<Vec<Fate>>, BackendError> {
     let periods = longest + confirming(settings);
     let settings = &Settings {
-        transient_periods: 0,
-        align_periods: 0,
-        periods,
-        ..settings.clone()
+        sampling: Sampling {
+            transient_periods: 0,
+            align_periods: 0,
+            periods,
+            ..settings.sampling
+        },
+        ..*settings
     };
     let kept = (MOST_KEPT / periods as usize).max(LEAST_BATCH);
     let mut fates = Vec::with_capacity(starts.len());
@@ -226,12 +227,12 @@ impl Track {
 
     /// The period of the attracting cycle that the orbit ends on, as measurements have it.
     fn cycle(&self, settings: &Settings) -> Option<usize> {
-        let window = most_states(settings.max_period);
+        let window = most_states(settings.sampling.max_period);
         let last = self.states.len() - 1;
         let tail = &self.states[last + 1 - window as usize..];
-        let period = period_of(window, settings.max_period, |n, before| {
+        let period = period_of(window, settings.sampling.max_period, |n, before| {
             let (state, earlier) = (tail[n as usize], tail[before as usize]);
-            (0..2).all(|i| (state[i] - earlier[i]).abs() < settings.period_tolerance)
+            (0..2).all(|i| (state[i] - earlier[i]).abs() < settings.sampling.period_tolerance)
         })?;
         // a laminar phase of chaos can pass for a cycle, but does not attract
         let turns = span_of(period, window) / period;

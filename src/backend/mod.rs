@@ -13,8 +13,19 @@ pub use self::contact::Contact;
 pub use self::kind::BackendKind;
 
 use crate::dynamics::divergence_check;
-use crate::experiment::Settings;
+use crate::experiment::{Integration, Settings};
 use crate::parameters::ParameterSet;
+
+/// Whether a scheme carries the heat and wear of some instances.
+///
+/// # Errors
+/// If it does not.
+pub fn check_model(integration: &Integration, instances: &[ParameterSet]) -> Result<(), BackendError> {
+    let rubbed = instances.iter().any(ParameterSet::is_rubbed);
+    integration
+        .check_model(rubbed)
+        .map_err(|error| BackendError::Unsupported(error.to_string()))
+}
 
 /// What the forcing periods of a slice are for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,17 +6,20 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
 use clap::Args;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
-use tribochaos::design::{Axis, Coordinate, Fixed, Varied};
+use tribochaos::backend::BackendError;
+use tribochaos::design::{Axis, Coordinate, Fixed, Points};
 use tribochaos::engine::choice::{self, Choice};
-use tribochaos::engine::initial_states;
-use tribochaos::experiment::{BackendChoice, Experiment, Preset, Request};
+use tribochaos::engine::{self, initial_states};
+use tribochaos::experiment::{BackendChoice, Experiment, Request};
 use tribochaos::output::sheet::Sheet;
-use tribochaos::output::{PROGRAM, charts, drawing, table};
+use tribochaos::output::{charts, drawing, png, table};
 use tribochaos::parameters::{PARAMETERS, Parameter, ParameterSet};
 
 use super::json::JsonArgs;
-use super::request::ExperimentArgs;
+use super::progress::{self, Progress};
+use super::request::{ExperimentArgs, SubjectArgs};
 use super::{Failure, outputs};
 
 /// Where results go.
@@ -40,7 +43,8 @@ impl OutArgs {
 }
 
 /// Initial states besides (x0, y0).
-#[derive(Args)]
+#[derive(Args, Clone, Default, Serialize, Deserialize)]
+#[serde(transparent)]
 pub struct StartArgs {
     /// Initial state, x and y; may be repeated [default: that of x0 and y0]
     #[arg(long, value_name = "X,Y", value_parser = start, allow_hyphen_values = true)]
@@ -59,27 +63,41 @@ fn start(text: &str) -> Result<[f64; 2], String> {
 }
 
 impl StartArgs {
-    /// The initial states: those that were typed, or that of x0 and y0 and, with `--initial-states`, others from the box.
-    pub fn resolve(&self, args: &ExperimentArgs, experiment: &Experiment) -> Result<Vec<[f64; 2]>, Failure> {
-        if self.start.is_empty() {
-            let at = &experiment.design.fixed;
-            let first = [at[Parameter::X0], at[Parameter::Y0]];
-            let others = initial_states::offsets(&experiment.settings);
-            return Ok([first].into_iter().chain(others).collect());
-        }
-        if sets_initial_state(args) || args.initial_states.is_some() {
+    pub fn is_empty(&self) -> bool {
+        self.start.is_empty()
+    }
+
+    /// The initial states: those of `chosen`, which are the typed ones or else those of a file; without any, or where another one was
+    /// set, that of x0 and y0 and, with `--initial-states`, others from the box.
+    pub fn resolve(
+        &self,
+        chosen: &Self,
+        args: &ExperimentArgs,
+        experiment: &Experiment,
+    ) -> Result<Vec<[f64; 2]>, Failure> {
+        let are_set = sets_initial_state(args) || args.initial_states.is_some();
+        if are_set && !self.start.is_empty() {
             return Err(Failure::Input(anyhow!(
                 "--start gives the initial states: leave x0, y0 and --initial-states out"
             )));
         }
-        Ok(self.start.clone())
+        if !chosen.start.is_empty() && !are_set {
+            return Ok(chosen.start.clone());
+        }
+        let at = &experiment.design.fixed;
+        let first = [at[Parameter::X0], at[Parameter::Y0]];
+        let others = initial_states::offsets(&experiment.settings.sampling);
+        Ok([first].into_iter().chain(others).collect())
     }
 }
 
-/// Whether the initial state was typed, or is that of a preset.
-pub fn gives_initial_state(args: &ExperimentArgs) -> bool {
-    let preset = args.preset.map_or(&[][..], Preset::values);
-    sets_initial_state(args) || preset.iter().any(|&(parameter, _)| is_initial(parameter.into()))
+/// Whether the initial state was typed, or is that of a preset or of a file.
+pub fn gives_initial_state(args: &ExperimentArgs, request: &Request) -> bool {
+    sets_initial_state(args)
+        || args.initial_states.is_some()
+        || [Parameter::X0, Parameter::Y0]
+            .iter()
+            .any(|parameter| request.set.contains_key(parameter.name()))
 }
 
 fn sets_initial_state(args: &ExperimentArgs) -> bool {
@@ -106,31 +124,28 @@ pub fn default_axis(count: usize) -> Axis {
     Axis::even(Parameter::ZetaK, 0.0, 12.0, count).expect("the table of parameters admits the default axis")
 }
 
-/// The experiment over an axis, or at one point; `defaults` come before what was typed. The CPU is taken unless a GPU is
-/// asked for: orbits are read back every period, and f64 leaves no doubt about them.
-pub fn experiment(args: &ExperimentArgs, axis: Option<Axis>, defaults: Request) -> Result<Experiment, Failure> {
-    let mut request = defaults;
-    args.apply(&mut request)?;
-    args.leave_free(
-        &axis.iter().map(|axis| axis.coordinate).collect::<Vec<_>>(),
-        &mut request,
-    );
-    // few points, of which the errors are shown
-    request.settings.decide_early = false;
-    if request.settings.backend == BackendChoice::Auto {
-        request.settings.backend = BackendChoice::Cpu;
-    }
-    if let Some(axis) = &axis
-        && is_initial(axis.coordinate)
-    {
+/// What holds where nothing else is asked for, over the defaults of all commands. The CPU is taken unless a GPU is asked for: few
+/// points do not fill one, and f64 leaves no doubt about them. Their errors are shown, so that they are run to their full length.
+pub fn defaults() -> Request {
+    let mut defaults = Request::default();
+    defaults.device.backend = BackendChoice::Cpu;
+    defaults.sampling.decide_early = false;
+    defaults
+}
+
+/// The experiment of a request whose axis, if it has one, is none of initial states. Warns of what the user should know.
+pub fn resolve(request: &Request) -> Result<Experiment, Failure> {
+    let varied = request.axes.iter().flatten().map(|axis| axis.coordinate);
+    let listed = request
+        .points
+        .iter()
+        .flat_map(|points| points.coordinates().iter().copied());
+    if let Some(coordinate) = varied.chain(listed).find(|&coordinate| is_initial(coordinate)) {
         return Err(Failure::Input(anyhow!(
-            "the axis is {}: give initial states by --start, or use `map`, whose axes they can be",
-            axis.coordinate
+            "{coordinate} is varied: give initial states by --start, or use `map`, whose axes they can be"
         )));
     }
-    let experiment = request
-        .resolve_over(Varied::Axes(axis.into_iter().collect()))
-        .map_err(Failure::input)?;
+    let experiment = request.resolve().map_err(Failure::input)?;
     for warning in experiment.warnings() {
         eprintln!("warning: {warning}");
     }
@@ -152,14 +167,8 @@ pub fn choose(experiment: &Experiment) -> Result<Choice, Failure> {
     choice::choose(experiment).map_err(Failure::backend)
 }
 
-/// Several values of one coordinate, NAME=V1,V2,...
-#[derive(Clone, Debug)]
-pub struct Values {
-    pub coordinate: Coordinate,
-    pub values: Vec<f64>,
-}
-
-pub fn values(text: &str) -> Result<Values, String> {
+/// Several values of one coordinate, NAME=V1,V2,..., as points one by one.
+pub fn values(text: &str) -> Result<Points, String> {
     let malformed = || format!("`{text}` gives no values: write NAME=V1,V2,..., for example zeta_k=3.5,3.9");
     let (name, list) = text.split_once('=').ok_or_else(malformed)?;
     let coordinate = Coordinate::from_name(name.trim()).map_err(|error| error.to_string())?;
@@ -168,38 +177,37 @@ pub fn values(text: &str) -> Result<Values, String> {
         .map(|text| {
             let value = text.trim().parse().map_err(|_| malformed())?;
             coordinate.check(value).map_err(|error| error.to_string())?;
-            Ok::<f64, String>(value)
+            Ok::<[f64; 1], String>([value])
         })
-        .collect::<Result<Vec<f64>, String>>()?;
-    Ok(Values { coordinate, values })
+        .collect::<Result<Vec<_>, String>>()?;
+    Points::new(vec![coordinate], &values).map_err(|error| error.to_string())
 }
 
-impl Values {
-    /// What the values are of, for tables: zeta_k where none are given.
-    pub fn coordinate_of(values: Option<&Self>) -> Coordinate {
-        values.map_or(Parameter::ZetaK.into(), |values| values.coordinate)
-    }
-}
-
-/// The points with the values, or the point itself without any.
+/// Puts the points that were typed, by --at, over those of the file; without any there is the one point of the request's `set`.
 ///
 /// # Errors
-/// If the coordinate is set to a value as well, or follows from a machine, or there is no machine at one of the values.
-pub fn points(values: Option<&Values>, at: &Fixed, set: &[(Coordinate, f64)]) -> Result<Vec<Fixed>, Failure> {
-    let Some(Values { coordinate, values }) = values else {
-        return Ok(vec![*at]);
-    };
-    if set.iter().any(|(name, _)| name == coordinate) {
-        return Err(Failure::Input(anyhow!(
-            "{coordinate} is set and given by --at as well: leave one of the two out"
-        )));
+/// If what varies is set to a value as well.
+pub fn at_points(request: &mut Request, typed: Option<&Points>, subject: &SubjectArgs) -> Result<(), Failure> {
+    if let Some(points) = typed {
+        for coordinate in points.coordinates() {
+            if subject.set.iter().any(|(name, _)| name == coordinate) {
+                return Err(Failure::Input(anyhow!(
+                    "{coordinate} is set and given by --at as well: leave one of the two out"
+                )));
+            }
+            request.set.remove(coordinate.name());
+        }
+        request.points = Some(points.clone());
     }
-    coordinate.check_free(at.machine().is_some()).map_err(Failure::input)?;
-    let points: Vec<Fixed> = values.iter().map(|&value| at.at([(*coordinate, value)])).collect();
-    for machine in points.iter().filter_map(Fixed::machine) {
-        machine.check().map_err(Failure::input)?;
-    }
-    Ok(points)
+    request.axes = request.points.is_none().then(Vec::new);
+    Ok(())
+}
+
+/// The points of an experiment.
+pub fn points(experiment: &Experiment) -> Vec<Fixed> {
+    let design = &experiment.design;
+    let points = (0..design.len()).map(|index| design.fixed.at(design.varied.values(index)));
+    points.collect()
 }
 
 /// The value of a coordinate at a point.
@@ -238,63 +246,35 @@ pub fn parameters(at: &ParameterSet) -> Value {
     map.into()
 }
 
-/// What a drawing shows, as TOML: equal recipes give equal drawings.
-pub fn recipe(command: &str, experiment: &Experiment, options: Value) -> String {
-    // TOML, unlike JSON, has infinities
-    let names = PARAMETERS.iter().map(|info| info.parameter);
-    let parameters: toml::Table = names
-        .map(|parameter| {
-            let value = experiment.design.fixed[parameter];
-            (parameter.name().to_owned(), toml::Value::Float(value))
-        })
-        .collect();
-    let table = |value: Result<toml::Value, toml::ser::Error>| value.expect("a recipe has a TOML form");
-    let mut recipe = toml::Table::new();
-    recipe.insert("command".to_owned(), command.into());
-    recipe.insert("program".to_owned(), PROGRAM.into());
-    recipe.insert("options".to_owned(), table(toml::Value::try_from(options)));
-    recipe.insert(
-        "axes".to_owned(),
-        table(toml::Value::try_from(experiment.design.axes())),
-    );
-    recipe.insert("parameters".to_owned(), parameters.into());
-    if let Some(machine) = experiment.machine_description() {
-        recipe.insert("machine".to_owned(), table(toml::Value::try_from(machine)));
-    }
-    recipe.insert(
-        "settings".to_owned(),
-        table(toml::Value::try_from(&experiment.settings)),
-    );
-    recipe.to_string()
-}
-
-/// The files of one command: NAME.png, NAME.svg, NAME.csv, and others whose names go on.
-pub struct Files {
+/// What a command computes is written into these: NAME.png, NAME.svg, NAME.csv, and others whose names go on.
+pub struct Claim {
     /// None where nothing is drawn.
     name: Option<PathBuf>,
     json: JsonArgs,
-    recipe: String,
+    /// The experiment that all of them carry, in TOML.
+    experiment: String,
     written: Vec<PathBuf>,
 }
 
-impl Files {
+impl Claim {
     /// Claims the files of the given drawings before any work, each NAME and an ending such as `-threshold`.
     ///
     /// # Errors
-    /// If the name names no file, nothing can be written there, or a drawing with another recipe is there and `force` is
+    /// If the name names no file, nothing can be written there, or a drawing of another experiment is there and `force` is
     /// not given.
-    pub fn claim(args: &OutArgs, default: &str, drawings: &[&str], recipe: String) -> Result<Self, Failure> {
+    pub fn new(args: &OutArgs, default: &str, drawings: &[&str], written: &Request) -> Result<Self, Failure> {
+        let experiment = written.result_toml();
         let name = args.draws().then(|| args.out.clone().unwrap_or_else(|| default.into()));
         if let Some(name) = &name {
             for drawing in drawings {
-                check(&drawing::with_ending(name, drawing), &recipe, args.force).map_err(Failure::Input)?;
+                check(&drawing::with_ending(name, drawing), &experiment, args.force).map_err(Failure::Input)?;
             }
             outputs::check_writable(&drawing::with_ending(name, ".png")).map_err(Failure::Input)?;
         }
         Ok(Self {
             name,
             json: args.json,
-            recipe,
+            experiment,
             written: Vec::new(),
         })
     }
@@ -304,12 +284,12 @@ impl Files {
         let Some(name) = &self.name else { return Ok(()) };
         let name = drawing::with_ending(name, drawing);
         let figure = sheet.draw().map_err(Failure::run)?;
-        let files = drawing::write_drawing(&name, &figure, title, &self.recipe).map_err(Failure::run)?;
+        let files = drawing::write_drawing(&name, &figure, title, &self.experiment).map_err(Failure::run)?;
         self.written.extend(files);
         Ok(())
     }
 
-    /// Writes a table with the recipe in its comments, if there are to be files.
+    /// Writes a table with the experiment in its comments, if there are to be files.
     pub fn table<'a>(
         &mut self,
         drawing: &str,
@@ -319,30 +299,46 @@ impl Files {
     ) -> Result<(), Failure> {
         let Some(name) = &self.name else { return Ok(()) };
         let path = drawing::with_ending(&drawing::with_ending(name, drawing), ".csv");
-        let recipe = self.recipe.lines().filter(|line| !line.is_empty()).map(str::to_owned);
-        let comments: Vec<String> = notes.iter().cloned().chain(recipe).collect();
+        let experiment = table::experiment_comments(&self.experiment);
+        let comments: Vec<String> = notes.iter().cloned().chain(experiment).collect();
         table::write_rows(&path, &comments, columns.as_ref(), rows).map_err(Failure::run)?;
         self.written.push(path);
         Ok(())
     }
 
-    /// Says what was written: in words, or as the list `files` of an object.
-    pub fn report(&self, object: Option<Value>) {
-        match object {
-            Some(mut object) => {
-                object["files"] = self.written.iter().map(|path| path.display().to_string()).collect();
-                self.json.print(&object);
-            }
-            None => {
-                for path in &self.written {
-                    print_line!("wrote {}", path.display());
-                }
-            }
+    /// Tells what came out: as an object with the machine and the list `files`, or in the words that `print` prints and the names of the
+    /// files.
+    pub fn tell(&self, experiment: &Experiment, object: impl FnOnce() -> Value, print: impl FnOnce()) {
+        if self.json.wanted() {
+            let mut object = with_machine(object(), experiment);
+            object["files"] = self.written.iter().map(|path| path.display().to_string()).collect();
+            self.json.print(&object);
+            return;
+        }
+        print();
+        for path in &self.written {
+            print_line!("wrote {}", path.display());
         }
     }
 }
 
-fn check(name: &Path, recipe: &str, force: bool) -> anyhow::Result<()> {
+/// Computes what a command draws, and shows how far it has come: `instance_periods` of `points`.
+///
+/// # Errors
+/// If the backend fails, or a signal broke the work off.
+pub fn compute<T>(
+    instance_periods: u64,
+    points: usize,
+    work: impl FnOnce(&mut engine::Observer<'_>) -> Result<Option<T>, BackendError>,
+) -> Result<T, Failure> {
+    progress::catch_signals();
+    let bar = Progress::new(instance_periods, points);
+    work(&mut |event| bar.hear(event))
+        .map_err(Failure::backend)?
+        .ok_or_else(|| Failure::Interrupted("nothing is drawn".into()))
+}
+
+fn check(name: &Path, experiment: &str, force: bool) -> anyhow::Result<()> {
     let text = name.to_string_lossy();
     if name.file_name().is_none() || text.ends_with(std::path::is_separator) {
         bail!("`{text}` names no file: give --out a name such as outputs/phase");
@@ -357,7 +353,7 @@ fn check(name: &Path, recipe: &str, force: bool) -> anyhow::Result<()> {
         return Ok(());
     }
     if png.exists() {
-        if drawing::read_recipe(&png).ok().flatten().as_deref() != Some(recipe) {
+        if png::read_experiment(&png).ok().as_deref() != Some(experiment) {
             bail!(
                 "{} shows something else: give another --out, or --force to replace it",
                 png.display()

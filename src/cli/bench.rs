@@ -7,7 +7,7 @@ use serde_json::json;
 use tribochaos::backend::cpu::InstructionSet;
 use tribochaos::backend::gpu::{GpuBackend, GpuContext};
 use tribochaos::backend::{Backend, BackendError};
-use tribochaos::experiment::{Precision, Scheme, Settings};
+use tribochaos::experiment::{Integration, Precision, Scheme, Settings};
 use tribochaos::output::PROGRAM;
 use tribochaos::studies::benchmark::kernels::{self, Case, Kernel};
 use tribochaos::studies::benchmark::scaling;
@@ -27,7 +27,7 @@ pub struct BenchArgs {
     #[arg(long, value_name = "f32|f64", value_parser = request::named::<Precision>)]
     precision: Option<Precision>,
     /// Error of a step of radau
-    #[arg(long, default_value_t = Settings::default().tolerance)]
+    #[arg(long, default_value_t = Integration::default().tolerance)]
     tolerance: f64,
     /// Part of the name of the GPU adapter [default: the first, hardware before software]
     #[arg(long, value_name = "NAME")]
@@ -98,7 +98,10 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
         return scaling(args.json);
     }
     let settings = Settings {
-        tolerance: args.tolerance,
+        integration: Integration {
+            tolerance: args.tolerance,
+            ..Integration::default()
+        },
         ..Settings::default()
     };
     settings.check().map_err(|error| Failure::Input(error.into()))?;
@@ -112,7 +115,7 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
     let gpu = gpu.as_mut().map(|gpu| gpu as &mut dyn Backend);
     let kernels = kernels::measure(&cases, gpu, BUDGET).map_err(Failure::backend)?;
     if args.json.wanted() {
-        let default_scheme = Settings::default().scheme();
+        let default_scheme = Integration::default().scheme;
         args.json
             .print(&json!({ "program": PROGRAM, "default_scheme": default_scheme, "kernels": kernels }));
     } else {

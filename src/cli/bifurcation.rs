@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use clap::Args;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use tribochaos::analysis::bifurcation::{Columns, diagram};
 use tribochaos::design::Axis;
@@ -13,10 +14,12 @@ use tribochaos::output::sheet::{SINGLE, Sheet};
 use tribochaos::output::{PROGRAM, caption};
 use tribochaos::parameters::Parameter;
 
-use super::analysis::{self, Files, OutArgs, StartArgs};
-use super::progress::{self, Progress};
-use super::request::{self, ExperimentArgs};
+use super::analysis::{self, Claim, OutArgs, StartArgs};
+use super::request::{self, AskedAxis, ExperimentArgs};
 use super::{Failure, report};
+
+/// The name of the command in files.
+const COMMAND: &str = "bifurcation";
 
 /// Every column has the states at drive phase 0 of 200 periods after 300, unless told otherwise.
 #[derive(Args)]
@@ -25,22 +28,30 @@ pub struct BifurcationArgs {
     /// The parameter and its values, ends included [default: zeta_k=0:12:2400]
     #[arg(long, value_name = "NAME=START:STOP:COUNT", value_parser = request::axis)]
     x: Option<Axis>,
-    /// State that is drawn
-    #[arg(long, value_name = "x|y", default_value = "x", value_parser = request::named::<Component>)]
-    show: Component,
+    #[command(flatten)]
+    options: Options,
+    #[command(flatten)]
+    experiment: ExperimentArgs,
+    #[command(flatten)]
+    out: OutArgs,
+}
+
+#[derive(Args, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Options {
+    /// State that is drawn [default: x]
+    #[arg(long, value_name = "x|y", value_parser = request::named::<Component>)]
+    show: Option<Component>,
     /// Begin each column where the one before ended, as the parameter rises (up) or falls (down); the two differ where
     /// attractors coexist [default: begin every column at the same initial states]
     #[arg(long, value_name = "up|down", value_parser = follow)]
     follow: Option<Columns>,
     /// Ends of the drawn state's axis [default: from the data]
-    #[arg(long, value_name = "LOW:HIGH", value_parser = request::range, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = request::limits, allow_hyphen_values = true)]
     limits: Option<[f64; 2]>,
     #[command(flatten)]
+    #[serde(default, skip_serializing_if = "StartArgs::is_empty")]
     start: StartArgs,
-    #[command(flatten)]
-    experiment: ExperimentArgs,
-    #[command(flatten)]
-    out: OutArgs,
 }
 
 fn follow(text: &str) -> Result<Columns, String> {
@@ -56,30 +67,36 @@ const MOST_STATES: u64 = 50_000_000;
 
 /// What holds where nothing else is asked for.
 pub fn defaults() -> Request {
-    let mut defaults = Request::default();
-    defaults.settings.periods = 200;
+    let mut defaults = analysis::defaults();
+    defaults.sampling.periods = 200;
     defaults
 }
 
 pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
-    let axis = args.x.clone().unwrap_or_else(|| analysis::default_axis(2400));
-    let experiment = analysis::experiment(&args.experiment, Some(axis.clone()), defaults())?;
-    let settings = &experiment.settings;
-    let starts = args.start.resolve(&args.experiment, &experiment)?;
-    let states = axis.count() as u64 * starts.len() as u64 * u64::from(settings.periods);
+    let axis = AskedAxis {
+        typed: args.x.as_ref(),
+        default: || analysis::default_axis(2400),
+    };
+    let request = args.experiment.request(Some(COMMAND), &defaults(), [axis])?;
+    let mut options = request::options(&args.options, &request)?;
+    let experiment = analysis::resolve(&request)?;
+    options.start.start = args
+        .options
+        .start
+        .resolve(&options.start, &args.experiment, &experiment)?;
+    let written = request::written(COMMAND, &experiment, &options);
+    if args.experiment.subject.print_experiment {
+        print_text!("{}", written.to_toml());
+        return Ok(());
+    }
+    let (settings, axis, starts) = (&experiment.settings, &experiment.design.axes()[0], &options.start.start);
+    let states = axis.count() as u64 * starts.len() as u64 * u64::from(settings.sampling.periods);
     if states > MOST_STATES {
         return Err(Failure::Input(anyhow::anyhow!(
             "{states} states are too many (at most {MOST_STATES}): use fewer values, initial states or --periods"
         )));
     }
-    if let Some([low, high]) = args.limits
-        && !(low < high && low.is_finite() && high.is_finite())
-    {
-        return Err(Failure::Input(anyhow::anyhow!(
-            "the limits {low}:{high} are no range: give the lower one first"
-        )));
-    }
-    let columns = args.follow.unwrap_or(Columns::Fresh);
+    let columns = options.follow.unwrap_or(Columns::Fresh);
     analysis::check_lasting(experiment.wears())?;
     if columns != Columns::Fresh && experiment.is_rubbed() {
         return Err(Failure::Input(anyhow::anyhow!(
@@ -87,40 +104,32 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
              --follow out, or set gamma = 0"
         )));
     }
-    let options = json!({
-        "show": args.show,
-        "columns": columns,
-        "limits": args.limits.into_iter().collect::<Vec<_>>(),
-        "starts": starts,
-    });
-    let recipe = analysis::recipe("bifurcation", &experiment, options);
-    let mut files = Files::claim(&args.out, "outputs/bifurcation", &[""], recipe)?;
-    let mut choice = analysis::choose(&experiment)?;
+    let mut files = Claim::new(&args.out, "outputs/bifurcation", &[""], &written)?;
+    let mut backends = analysis::choose(&experiment)?.backends;
 
-    progress::catch_signals();
     let started = Instant::now();
-    let instances = axis.count() * starts.len();
-    let bar = Progress::new(
-        instances as u64 * u64::from(settings.transient_periods + settings.periods),
-        axis.count(),
-    );
-    let mut hear = |periods| bar.hear(Event::Advanced(periods));
-    let backend = choice.backends.active_mut();
-    let diagram = diagram(
-        backend,
-        settings,
-        &experiment.design.fixed,
-        &axis,
-        &starts,
-        columns,
-        &mut hear,
-    )
-    .map_err(Failure::backend)?
-    .ok_or_else(|| Failure::Interrupted("nothing is drawn".into()))?;
-    drop(bar);
-    let integrated_on = caption::integrated_on([choice.backends.active().kind()].into_iter());
+    let instances = (axis.count() * starts.len()) as u64;
+    let periods = u64::from(settings.sampling.transient_periods + settings.sampling.periods);
+    let diagram = analysis::compute(instances * periods, axis.count(), |observer| {
+        diagram(
+            backends.active_mut(),
+            settings,
+            &experiment.design.fixed,
+            axis,
+            starts,
+            columns,
+            &mut |periods| observer(Event::Advanced(periods)),
+        )
+    })?;
+    let integrated_on = caption::integrated_on([backends.active().kind()].into_iter());
 
-    let panel = charts::bifurcation("", &diagram, args.show, args.limits, SINGLE);
+    let panel = charts::bifurcation(
+        "",
+        &diagram,
+        options.show.unwrap_or(Component::X),
+        options.limits,
+        SINGLE,
+    );
     let outside = charts::outside(&panel);
     let manner = match columns {
         Columns::Fresh => "each value from",
@@ -130,9 +139,9 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
     let mut numerics = format!(
         "{} values, {manner} (x, y) = {}; {} states each after {} forcing periods. {}, {integrated_on}. ",
         axis.count(),
-        analysis::starts_in_words(&starts),
-        settings.periods,
-        settings.transient_periods,
+        analysis::starts_in_words(starts),
+        settings.sampling.periods,
+        settings.sampling.transient_periods,
         caption::scheme(settings)
     );
     if outside > 0 {
@@ -168,30 +177,29 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
         [axis.coordinate.name(), "x", "y"],
         rows,
     )?;
-    if args.out.json.wanted() {
-        let object = json!({
+    let object = || {
+        json!({
             "parameters": analysis::parameters(experiment.design.fixed.parameters()),
             "axis": axis,
             "columns": columns,
             "starts": starts,
             "states": diagram.len(),
             "runaways": diagram.runaways,
-        });
-        files.report(Some(analysis::with_machine(object, &experiment)));
-        return Ok(());
-    }
-    print_line!(
-        "{} states over {} values in {}",
-        diagram.len(),
-        axis.count(),
-        report::duration(started.elapsed())
-    );
-    if diagram.runaways > 0 {
+        })
+    };
+    files.tell(&experiment, object, || {
         print_line!(
-            "{} orbits ran away or were given up as under-resolved",
-            diagram.runaways
+            "{} states over {} values in {}",
+            diagram.len(),
+            axis.count(),
+            report::duration(started.elapsed())
         );
-    }
-    files.report(None);
+        if diagram.runaways > 0 {
+            print_line!(
+                "{} orbits ran away or were given up as under-resolved",
+                diagram.runaways
+            );
+        }
+    });
     Ok(())
 }

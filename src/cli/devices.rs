@@ -104,8 +104,8 @@ fn check(adapter: Option<&str>) -> Result<(), Failure> {
         ]),
         ..Request::default()
     };
-    request.settings.transient_periods = 150;
-    request.settings.periods = 150;
+    request.sampling.transient_periods = 150;
+    request.sampling.periods = 150;
     let experiment = request.resolve().expect("the experiment is valid");
     let mut map = ParameterMap::new(experiment).expect("it has two axes");
     let indices: Vec<usize> = (0..map.experiment.design.len()).collect();

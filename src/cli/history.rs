@@ -2,48 +2,61 @@
 
 use anyhow::anyhow;
 use clap::Args;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tribochaos::analysis::path::ended;
 use tribochaos::backend::Contact;
 use tribochaos::design::Fixed;
 use tribochaos::dynamics::history::{History, Sample, history};
-use tribochaos::experiment::{BackendChoice, Experiment, Precision, Request, Scheme};
+use tribochaos::experiment::{BackendChoice, Experiment, Precision, Request, Sampling, Scheme};
 use tribochaos::machine::{Machine, Scale};
 use tribochaos::measure::Status;
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, histories};
 use tribochaos::parameters::Parameter;
 
-use super::analysis::{self, Files, OutArgs};
+use super::analysis::{self, Claim, OutArgs};
 use super::request::{self, ExperimentArgs};
 use super::{Failure, si};
+
+/// The name of the command in files.
+const COMMAND: &str = "history";
 
 /// The point is followed from its initial state by radau, on the CPU in f64, over 30 forcing periods (--periods); without
 /// heat and wear the pressure stays 1.
 #[derive(Args)]
 #[command(after_long_help = request::parameter_table())]
 pub struct HistoryArgs {
-    /// Samples in a forcing period, in equal steps
-    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(4..=4096))]
-    samples: u32,
+    /// Samples in a forcing period, in equal steps [default: 128]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=4096))]
+    samples: Option<u32>,
     #[command(flatten)]
     experiment: ExperimentArgs,
     #[command(flatten)]
     out: OutArgs,
 }
 
+/// A history has its own number of periods: measurements need more of them.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Options {
+    periods: Option<u32>,
+    samples: Option<u32>,
+}
+
 /// Forcing periods where none are asked for: contact at the preset is lost after 23.
 const PERIODS: u32 = 30;
+const SAMPLES: u32 = 128;
 /// More samples make a table that nobody opens.
 const MOST_SAMPLES: u64 = 1_000_000;
 
 /// What holds where nothing else is asked for.
 pub fn defaults() -> Request {
-    let mut defaults = Request::default();
-    let settings = &mut defaults.settings;
-    settings.scheme = Some(Scheme::Radau);
-    settings.periods = PERIODS;
-    settings.transient_periods = 0;
+    let mut defaults = analysis::defaults();
+    defaults.integration.scheme = Some(Scheme::Radau);
+    defaults.sampling.periods = PERIODS;
+    defaults.sampling.transient_periods = 0;
+    defaults.sampling.align_periods = 0;
     defaults
 }
 
@@ -64,13 +77,17 @@ pub const HIDDEN: &[&str] = &[
 ];
 
 pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
-    let (experiment, periods) = experiment(args)?;
+    let (experiment, options) = experiment(args)?;
+    let written = request::written(COMMAND, &experiment, &options);
+    if args.experiment.subject.print_experiment {
+        print_text!("{}", written.to_toml());
+        return Ok(());
+    }
+    let (periods, samples) = (options.periods.unwrap_or(PERIODS), options.samples.unwrap_or(SAMPLES));
     let at = experiment.design.fixed;
-    let options = json!({ "periods": periods, "samples": args.samples });
-    let recipe = analysis::recipe("history", &experiment, options);
-    let mut files = Files::claim(&args.out, "outputs/history", &[""], recipe)?;
+    let mut files = Claim::new(&args.out, "outputs/history", &[""], &written)?;
 
-    let history = history(at.parameters(), &experiment.settings, 0..periods, args.samples);
+    let history = history(at.parameters(), &experiment.settings.integration, 0..periods, samples);
     let last = history.samples.last().expect("the first sample is the initial state");
     let status = ended(&history);
     let reason = reason(&history);
@@ -95,7 +112,7 @@ pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
     let scales = at.machine().map(Machine::scales);
     let sheet = Sheet::stacked(
         histories::stacked(&history, scales.as_ref()),
-        words(&experiment, args, periods, &history),
+        words(&experiment, periods, samples, &history),
     );
     files.draw("", &sheet, "History of the bush-shaft system")?;
     let mut notes = vec![
@@ -142,62 +159,73 @@ pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
         row
     });
     files.table("", &notes, columns, rows)?;
-    if args.out.json.wanted() {
+    let object = || {
         let mut object = object(&experiment, periods, last, status, &contact);
         if scales.is_some() {
             object["si"] = si::contact(&at, &contact);
             let warnings = experiment.machine_warnings().into_iter().chain(beyond);
             object["warnings"] = warnings.collect();
         }
-        files.report(Some(analysis::with_machine(object, &experiment)));
-    } else {
-        print(&at, last.tau, &contact);
-        files.report(None);
-    }
+        object
+    };
+    files.tell(&experiment, object, || print(&at, last.tau, &contact));
     Ok(())
 }
 
-/// The experiment and the forcing periods that are followed.
-fn experiment(args: &HistoryArgs) -> Result<(Experiment, u32), Failure> {
+/// The experiment, with how much of it is followed.
+fn experiment(args: &HistoryArgs) -> Result<(Experiment, Options), Failure> {
     let refused = |reason: String| Err(Failure::Input(anyhow!(reason)));
-    let mut request = defaults();
-    args.experiment.apply(&mut request)?;
-    let settings = &mut request.settings;
-    if settings.scheme != Some(Scheme::Radau) {
+    let asked = &args.experiment;
+    if asked.scheme.is_some_and(|scheme| scheme != Scheme::Radau) {
         return refused("histories are followed by radau alone: leave --scheme out".to_owned());
     }
-    if settings.backend == BackendChoice::Gpu || settings.precision == Some(Precision::F32) {
+    if asked.backend == Some(BackendChoice::Gpu) || asked.precision == Some(Precision::F32) {
         return refused("histories are followed on the CPU in f64: leave --backend and --precision out".to_owned());
     }
-    if settings.transient_periods > 0 {
+    if asked.transient_periods.is_some_and(|periods| periods > 0) {
         return refused(
             "a history shows the run from its initial state: leave --transient-periods out, and give as many --periods \
              as are to be followed"
                 .to_owned(),
         );
     }
-    if settings.initial_states > 1 {
+    if asked.initial_states.is_some_and(|states| states > 1) {
         return refused(
             "a history is that of one initial state: leave --initial-states out, and set x0 and y0".to_owned(),
         );
     }
-    let periods = settings.periods;
-    let most = MOST_SAMPLES / u64::from(args.samples);
+    let mut request = asked.request(Some(COMMAND), &defaults(), [])?;
+    let typed = Options {
+        periods: asked.periods,
+        samples: args.samples,
+    };
+    let options = request::options(&typed, &request)?;
+    let (periods, samples) = (options.periods.unwrap_or(PERIODS), options.samples.unwrap_or(SAMPLES));
+    let most = MOST_SAMPLES / u64::from(samples);
     if !(1..=most).contains(&u64::from(periods)) {
         return refused(format!(
-            "periods = {periods} is out of range: it must be from 1 to {most} with {} samples in each",
-            args.samples
+            "periods = {periods} is out of range: it must be from 1 to {most} with {samples} samples in each"
         ));
     }
-    settings.backend = BackendChoice::Cpu;
-    // measurements need more periods than a history, which has its own number of them
-    settings.periods = Request::default().settings.periods;
+    // nothing else of the sampling means anything to a history
+    request.sampling = Sampling::default();
+    request.device = defaults().device;
+    if request.integration.scheme != Some(Scheme::Radau) {
+        // steps belong to their scheme
+        request.integration.steps_per_period = asked.steps_per_period;
+        request.integration.scheme = Some(Scheme::Radau);
+    }
+    request.integration.precision = None;
     let experiment = request.resolve_point().map_err(Failure::input)?;
     // none of the transient's length: a history shows the transient
     for warning in experiment.machine_warnings() {
         eprintln!("warning: {warning}");
     }
-    Ok((experiment, periods))
+    let options = Options {
+        periods: Some(periods),
+        samples: Some(samples),
+    };
+    Ok((experiment, options))
 }
 
 /// Why a run ended before its time.
@@ -209,7 +237,7 @@ fn reason(history: &History) -> &'static str {
     }
 }
 
-fn words(experiment: &Experiment, args: &HistoryArgs, periods: u32, history: &History) -> Vec<String> {
+fn words(experiment: &Experiment, periods: u32, samples: u32, history: &History) -> Vec<String> {
     let at = &experiment.design.fixed;
     // an infinite rate is no ramp
     let shown: Vec<Parameter> = [Parameter::RampRate]
@@ -231,12 +259,11 @@ fn words(experiment: &Experiment, args: &HistoryArgs, periods: u32, history: &Hi
     vec![
         caption::fixed(at, &shown),
         format!(
-            "{periods} forcing periods, {} samples in each. {contact}{ended}{}, {} heat modes, tolerance {}, integrated \
+            "{periods} forcing periods, {samples} samples in each. {contact}{ended}{}, {} heat modes, tolerance {}, integrated \
              on CPU (f64). {PROGRAM}.",
-            args.samples,
             caption::scheme(settings),
-            settings.modes(),
-            settings.tolerance
+            settings.integration.modes,
+            settings.integration.tolerance
         ),
     ]
 }

@@ -1,29 +1,30 @@
 //! `point --lifetime`: how long chaos lasts from many initial states.
 
 use clap::Args;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tribochaos::analysis::lifetime::{Decay, LEAST_LEFT, Survival, exponent};
 use tribochaos::analysis::settling::{self, End, NEAR};
 use tribochaos::design::Coordinate;
 use tribochaos::engine::{Backends, Event, initial_states};
-use tribochaos::experiment::{Experiment, InitialBox, Settings};
+use tribochaos::experiment::{Experiment, InitialBox, Request, Sampling};
 use tribochaos::machine::Scale;
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts, survival};
 use tribochaos::parameters::Parameter;
 
-use super::analysis::{self, Files, OutArgs};
-use super::progress::Progress;
+use super::analysis::{self, Claim, OutArgs};
 use super::{Failure, si};
 
-#[derive(Args)]
+#[derive(Args, Clone, Copy, Serialize, Deserialize)]
 #[command(next_help_heading = "Lifetime of chaos")]
+#[serde(deny_unknown_fields)]
 pub struct LifetimeArgs {
     /// Estimate how long chaos lasts: from many initial states of the initial box, by which time each has settled on a regular
     /// attractor. Writes a drawing and a table
     #[arg(long, value_name = "STATES", num_args = 0..=1, default_missing_value = "1000",
           value_parser = clap::value_parser!(u32).range(100..=100_000))]
-    lifetime: Option<u32>,
+    pub lifetime: Option<u32>,
     /// Forcing periods over which the states are followed [default: 4000]
     #[arg(long, value_name = "PERIODS", requires = "lifetime", value_parser = clap::value_parser!(u32).range(100..=200_000))]
     lifetime_periods: Option<u32>,
@@ -38,7 +39,7 @@ const MOST_INSTANCE_PERIODS: u64 = 1_000_000_000;
 pub struct Plan {
     starts: Vec<[f64; 2]>,
     longest: u32,
-    files: Files,
+    files: Claim,
 }
 
 impl LifetimeArgs {
@@ -46,7 +47,7 @@ impl LifetimeArgs {
     ///
     /// # Errors
     /// If there is no chaos that could end, it would take too long, or the files are those of something else.
-    pub fn plan(&self, experiment: &Experiment, out: &OutArgs) -> Result<Option<Plan>, Failure> {
+    pub fn plan(&self, experiment: &Experiment, written: &Request, out: &OutArgs) -> Result<Option<Plan>, Failure> {
         let Some(states) = self.lifetime else {
             return Ok(None);
         };
@@ -65,13 +66,11 @@ impl LifetimeArgs {
             )));
         }
         // (x0, y0) comes besides, and is not of the box
-        let starts = initial_states::offsets(&Settings {
+        let starts = initial_states::offsets(&Sampling {
             initial_states: states + 1,
-            ..experiment.settings.clone()
+            ..experiment.settings.sampling
         });
-        let options = json!({ "states": states, "periods": longest });
-        let recipe = analysis::recipe("point --lifetime", experiment, options);
-        let files = Files::claim(out, "outputs/lifetime", &[""], recipe)?;
+        let files = Claim::new(out, "outputs/lifetime", &[""], written)?;
         Ok(Some(Plan { starts, longest, files }))
     }
 }
@@ -85,7 +84,7 @@ pub struct Estimate {
     /// Whether that is above zero, by three standard errors.
     is_chaotic: bool,
     given_up: usize,
-    files: Files,
+    files: Claim,
 }
 
 impl Plan {
@@ -99,13 +98,10 @@ impl Plan {
         let settings = &experiment.settings;
         let at = experiment.design.point(0);
         let periods = u64::from(longest + settling::confirming(settings));
-        let bar = Progress::new(starts.len() as u64 * periods, starts.len());
-        let fates = settling::follow(backends.active_mut(), settings, &at, &starts, longest, &mut |periods| {
-            bar.hear(Event::Advanced(periods))
-        })
-        .map_err(Failure::backend)?
-        .ok_or_else(|| Failure::Interrupted("nothing is drawn".into()))?;
-        drop(bar);
+        let fates = analysis::compute(starts.len() as u64 * periods, starts.len(), |observer| {
+            let mut hear = |periods| observer(Event::Advanced(periods));
+            settling::follow(backends.active_mut(), settings, &at, &starts, longest, &mut hear)
+        })?;
         let given_up = fates.iter().filter(|fate| fate.end == End::GivenUp).count();
         let survival = Survival::of(&fates, longest);
         if survival.states() < LEAST_LEFT {
@@ -121,7 +117,7 @@ impl Plan {
         // an approach has no lifetime, whatever its times look like
         let decay = if is_chaotic { decay } else { Decay::Other };
 
-        let InitialBox { x, y } = settings.initial_box;
+        let InitialBox { x, y } = settings.sampling.initial_box;
         let left_out = match given_up {
             0 => String::new(),
             given_up => format!("{given_up} states that were given up as under-resolved are left out. "),
@@ -133,7 +129,7 @@ impl Plan {
             starts.len(),
             charts::start([x[0], y[0]]),
             charts::start([x[1], y[1]]),
-            settings.seed,
+            settings.sampling.seed,
             caption::scheme(settings),
             caption::integrated_on([kind].into_iter())
         );
@@ -169,8 +165,19 @@ impl Plan {
 }
 
 impl Estimate {
-    /// Prints `object` with the estimate in it.
-    pub fn report_object(&self, mut object: Value, experiment: &Experiment) {
+    /// Tells the estimate: within `object`, or in words after those that `print` prints.
+    pub fn tell(&self, experiment: &Experiment, object: Value, print: impl FnOnce()) {
+        self.files.tell(
+            experiment,
+            || self.within(object, experiment),
+            || {
+                print();
+                self.print(experiment);
+            },
+        );
+    }
+
+    fn within(&self, mut object: Value, experiment: &Experiment) -> Value {
         let period = experiment.design.point(0).forcing_period();
         let decay = match self.decay {
             Decay::Exponential(fit) => json!({
@@ -210,10 +217,10 @@ impl Estimate {
         if let (Decay::Exponential(fit), Some(machine)) = (self.decay, experiment.design.fixed.machine()) {
             object["si"]["lifetime_s"] = (machine.scales().time * period * fit.lifetime).into();
         }
-        self.files.report(Some(object));
+        object
     }
 
-    pub fn report(&self, experiment: &Experiment) {
+    fn print(&self, experiment: &Experiment) {
         let survival = &self.survival;
         let (states, longest) = (survival.states(), survival.longest);
         let at = &experiment.design.fixed;
@@ -263,7 +270,6 @@ impl Estimate {
         if self.given_up > 0 {
             print_line!("left out            {} initial states, under-resolved", self.given_up);
         }
-        self.files.report(None);
     }
 }
 

@@ -1,23 +1,27 @@
 //! `lyapunov`: the exponents over one parameter, and where chaos begins and ends on it.
 
+use std::ops::Not;
 use std::time::Instant;
 
 use clap::Args;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tribochaos::analysis::exponents::{Line, lines};
 use tribochaos::design::Axis;
 use tribochaos::engine;
-use tribochaos::experiment::{Experiment, Request, Settings};
+use tribochaos::experiment::{Experiment, Sampling, Settings};
 use tribochaos::measure::{Measurement, Status};
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts};
 use tribochaos::parameters::Parameter;
 
-use super::analysis::{self, Files, OutArgs, StartArgs};
+use super::analysis::{self, Claim, OutArgs, StartArgs};
 use super::onset::{Outcome, Search};
-use super::progress::{self, Progress};
-use super::request::{self, ExperimentArgs};
+use super::request::{self, AskedAxis, ExperimentArgs};
 use super::{Failure, report};
+
+/// The name of the command in files.
+const COMMAND: &str = "lyapunov";
 
 /// Chaos begins at the least value of a fine grid over the whole range of the axis, and ends at the greatest, with an exponent
 /// above 0.005 over 100 periods after 380, on motion that is neither regular nor quasi-periodic, and that is chaotic over 2000
@@ -30,22 +34,31 @@ pub struct LyapunovArgs {
     /// The parameter and its values, ends included [default: zeta_k=0:12:601]
     #[arg(long, value_name = "NAME=START:STOP:COUNT", value_parser = request::axis)]
     x: Option<Axis>,
+    #[command(flatten)]
+    options: Options,
+    #[command(flatten)]
+    experiment: ExperimentArgs,
+    #[command(flatten)]
+    out: OutArgs,
+}
+
+#[derive(Args, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Options {
     /// Spacing of the fine grid for onset and end, whose values are its multiples [default: 0.0025 for zeta_k, for others the
     /// round number at or just below a thousandth of the range]
     #[arg(long, value_name = "STEP")]
     onset_spacing: Option<f64>,
     /// Do not look for the onset and the end of chaos
     #[arg(long, conflicts_with = "onset_spacing")]
+    #[serde(default, skip_serializing_if = "Not::not")]
     no_onset: bool,
     /// Ends of the exponents' axis [default: from the data]
-    #[arg(long, value_name = "LOW:HIGH", value_parser = request::range, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = request::limits, allow_hyphen_values = true)]
     limits: Option<[f64; 2]>,
     #[command(flatten)]
+    #[serde(default, skip_serializing_if = "StartArgs::is_empty")]
     start: StartArgs,
-    #[command(flatten)]
-    experiment: ExperimentArgs,
-    #[command(flatten)]
-    out: OutArgs,
 }
 
 const START_HELP: &str = "Initial state, x and y; may be repeated [default: that of x0 and y0 if one is set or the preset's, \
@@ -55,16 +68,22 @@ const START_HELP: &str = "Initial state, x and y; may be repeated [default: that
 const MOST_EXPONENTS: usize = 200_000;
 
 pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
-    let axis = args.x.clone().unwrap_or_else(|| analysis::default_axis(601));
-    let experiment = analysis::experiment(&args.experiment, Some(axis.clone()), Request::default())?;
-    let named = !args.start.start.is_empty()
-        || analysis::gives_initial_state(&args.experiment)
-        || args.experiment.initial_states.is_some();
-    let starts = if named {
-        args.start.resolve(&args.experiment, &experiment)?
+    let axis = AskedAxis {
+        typed: args.x.as_ref(),
+        default: || analysis::default_axis(601),
+    };
+    let request = args.experiment.request(Some(COMMAND), &analysis::defaults(), [axis])?;
+    let mut options = request::options(&args.options, &request)?;
+    let experiment = analysis::resolve(&request)?;
+    let is_named = !options.start.is_empty() || analysis::gives_initial_state(&args.experiment, &request);
+    options.start.start = if is_named {
+        args.options
+            .start
+            .resolve(&options.start, &args.experiment, &experiment)?
     } else {
         vec![[0.1, 0.0], [1.0, 0.0], [-1.0, 0.0]]
     };
+    let (axis, starts) = (&experiment.design.axes()[0], &options.start.start);
     let exponents = axis.count() * starts.len();
     if exponents > MOST_EXPONENTS {
         return Err(Failure::Input(anyhow::anyhow!(
@@ -76,75 +95,72 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
     }
     // initial states are told apart here, not combined
     let settings = Settings {
-        initial_states: 1,
-        ..experiment.settings.clone()
+        sampling: Sampling {
+            initial_states: 1,
+            ..experiment.settings.sampling
+        },
+        ..experiment.settings
     };
-    let search = if args.no_onset {
+    if args.options.onset_spacing.is_some() {
+        options.no_onset = false;
+    }
+    let search = if options.no_onset {
         Err("--no-onset")
     } else if experiment.wears() {
         Err("with wear all motion is transient, and its exponents of finite time tell no chaos")
     } else {
-        Ok(Search::new(args.onset_spacing, &experiment, &settings)?)
+        Ok(Search::new(options.onset_spacing, &experiment, &settings)?)
     };
-    if let Some([low, high]) = args.limits
-        && !(low < high && low.is_finite() && high.is_finite())
-    {
-        return Err(Failure::Input(anyhow::anyhow!(
-            "the limits {low}:{high} are no range: give the lower one first"
-        )));
+    options.onset_spacing = search.as_ref().ok().map(|search| search.spacing);
+    let written = request::written(COMMAND, &experiment, &options);
+    if args.experiment.subject.print_experiment {
+        print_text!("{}", written.to_toml());
+        return Ok(());
     }
-    let options = json!({
-        "starts": starts,
-        "onset_spacing": search.as_ref().map_or(0.0, |search| search.spacing),
-        "limits": args.limits.into_iter().collect::<Vec<_>>(),
-    });
-    let recipe = analysis::recipe("lyapunov", &experiment, options);
-    let mut files = Files::claim(&args.out, "outputs/lyapunov", &[""], recipe)?;
-    let mut choice = analysis::choose(&experiment)?;
+    let starts = &options.start.start;
+    let mut files = Claim::new(&args.out, "outputs/lyapunov", &[""], &written)?;
+    let mut backends = analysis::choose(&experiment)?.backends;
 
-    progress::catch_signals();
     let started = Instant::now();
     let at = &experiment.design.fixed;
-    let bar = Progress::new(engine::instance_periods(&settings, exponents), exponents);
-    let interrupted = || Failure::Interrupted("nothing is drawn".into());
-    let backends = &mut choice.backends;
-    let lines = lines(backends, &settings, at, &axis, &starts, &mut |event| bar.hear(event))
-        .map_err(Failure::backend)?
-        .ok_or_else(interrupted)?;
-    drop(bar);
+    let work = engine::instance_periods(&settings, exponents);
+    let lines = analysis::compute(work, exponents, |observer| {
+        lines(&mut backends, &settings, at, axis, starts, observer)
+    })?;
     let onset = match search {
-        Ok(search) => search.run(&experiment, &starts, backends)?.ok_or_else(interrupted)?,
+        Ok(search) => search.run(&experiment, starts, &mut backends)?,
         Err(reason) => Outcome::Left(reason),
     };
     let gaps = Gaps::of(&lines);
-    draw(&mut files, args, &experiment, &lines, &onset)?;
+    draw(&mut files, options.limits, &experiment, &lines, &onset)?;
     table(&mut files, &experiment, &lines)?;
-    if args.out.json.wanted() {
-        files.report(Some(object(&experiment, &starts, &onset, &gaps)));
-        return Ok(());
-    }
-    print_line!(
-        "{exponents} exponents in {}, each over {} periods after {}: {}",
-        report::duration(started.elapsed()),
-        settings.periods,
-        settings.transient_periods,
-        caption::scheme(&settings)
+    files.tell(
+        &experiment,
+        || object(&experiment, starts, &onset, &gaps),
+        || {
+            print_line!(
+                "{exponents} exponents in {}, each over {} periods after {}: {}",
+                report::duration(started.elapsed()),
+                settings.sampling.periods,
+                settings.sampling.transient_periods,
+                caption::scheme(&settings)
+            );
+            if gaps.under_resolved > 0 {
+                print_line!(
+                    "status: {} of {exponents} exponents were not measured, since their points are under-resolved: {}",
+                    gaps.under_resolved,
+                    report::remedy(&settings)
+                );
+            }
+            if gaps.ran_away > 0 {
+                print_line!(
+                    "status: {} of {exponents} exponents were not measured, since the motion ran away",
+                    gaps.ran_away
+                );
+            }
+            print_line!("{}", onset.words(&experiment));
+        },
     );
-    if gaps.under_resolved > 0 {
-        print_line!(
-            "status: {} of {exponents} exponents were not measured, since their points are under-resolved: {}",
-            gaps.under_resolved,
-            report::remedy(&settings)
-        );
-    }
-    if gaps.ran_away > 0 {
-        print_line!(
-            "status: {} of {exponents} exponents were not measured, since the motion ran away",
-            gaps.ran_away
-        );
-    }
-    print_line!("{}", onset.words(&experiment));
-    files.report(None);
     Ok(())
 }
 
@@ -168,8 +184,8 @@ impl Gaps {
 }
 
 fn draw(
-    files: &mut Files,
-    args: &LyapunovArgs,
+    files: &mut Claim,
+    limits: Option<[f64; 2]>,
     experiment: &Experiment,
     lines: &[Line],
     onset: &Outcome,
@@ -178,7 +194,7 @@ fn draw(
     let leads = |line: &&Line| onset.least().is_some_and(|found| found.start == line.start);
     let line = lines.iter().find(leads).unwrap_or(&lines[0]);
     let settings = &experiment.settings;
-    let panel = charts::exponents("", line, &onset.marks(), args.limits);
+    let panel = charts::exponents("", line, &onset.marks(), limits);
     let shown = [line.axis.coordinate, Parameter::X0.into(), Parameter::Y0.into()];
     let from = charts::start(line.start);
     let from = if lines.len() == 1 {
@@ -199,12 +215,12 @@ fn draw(
     let run = if experiment.wears() {
         format!(
             "exponents of finite time where the contact wears, over {} forcing periods from the start or until contact is lost",
-            settings.periods
+            settings.sampling.periods
         )
     } else {
         format!(
             "{} measured forcing periods after {}",
-            settings.periods, settings.transient_periods
+            settings.sampling.periods, settings.sampling.transient_periods
         )
     };
     let gaps = match Gaps::of(std::slice::from_ref(line)) {
@@ -234,10 +250,10 @@ fn draw(
     )
 }
 
-fn table(files: &mut Files, experiment: &Experiment, lines: &[Line]) -> Result<(), Failure> {
+fn table(files: &mut Claim, experiment: &Experiment, lines: &[Line]) -> Result<(), Failure> {
     let axis = &experiment.design.axes()[0];
     // heat has more exponents than two, of which one is measured
-    let has_second = !experiment.settings.scheme().carries_heat();
+    let has_second = !experiment.settings.integration.scheme.carries_heat();
     // with wear all over the axis there are exponents of finite time alone
     let lasts = experiment.extent(Parameter::KW).0 == 0.0;
     let columns: Vec<(&str, Column)> = [
@@ -287,7 +303,7 @@ type Column = fn(&Measurement) -> f64;
 
 fn object(experiment: &Experiment, starts: &[[f64; 2]], onset: &Outcome, gaps: &Gaps) -> Value {
     let [onset, end] = onset.objects();
-    let object = json!({
+    json!({
         "parameters": analysis::parameters(experiment.design.fixed.parameters()),
         "axis": experiment.design.axes()[0],
         "starts": starts,
@@ -295,6 +311,5 @@ fn object(experiment: &Experiment, starts: &[[f64; 2]], onset: &Outcome, gaps: &
         "under_resolved": gaps.under_resolved,
         "onset": onset,
         "end": end,
-    });
-    analysis::with_machine(object, experiment)
+    })
 }

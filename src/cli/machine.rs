@@ -10,7 +10,7 @@ use tribochaos::design::Coordinate;
 use tribochaos::experiment::{Experiment, Request};
 use tribochaos::machine::units::si;
 use tribochaos::machine::{
-    CONSTANTS, Group, MATERIALS, Machine, SI_QUANTITIES, Scale, Sensitivities, TEMPLATE, sensitivities,
+    CONSTANTS, MATERIALS, Machine, SI_QUANTITIES, Scale, Sensitivities, TEMPLATE, sensitivities,
 };
 use tribochaos::parameters::Parameter;
 
@@ -75,6 +75,8 @@ pub fn run(args: &MachineArgs) -> Result<(), Failure> {
         return Ok(());
     }
     let subject = SubjectArgs {
+        from: None,
+        print_experiment: false,
         set: args.set.clone(),
         machine: args.file.clone(),
     };
@@ -151,33 +153,42 @@ fn table(table: &Sensitivities) -> String {
         .iter()
         .position(|group| group.name == "k_star")
         .unwrap_or(0);
+    let cell = |value: f64| match value {
+        value if value.is_nan() => "-".to_owned(),
+        0.0 => ".".to_owned(),
+        value => format!("{value:.2}"),
+    };
+    // wide enough that the widest cell stands apart from the one before it
+    let width = |column: usize| {
+        let widths = table.values.iter().map(|values| cell(values[column]).len() + 1);
+        widths.max().unwrap_or(0).max(LEAST_COLUMN)
+    };
     for columns in [0..first_scale, first_scale..table.groups.len()] {
         let _ = write!(text, "\n  {:<24}", "");
-        for Group { symbol, .. } in &table.groups[columns.clone()] {
+        for column in columns.clone() {
+            let symbol = table.groups[column].symbol;
             // a combining mark takes no room
-            let width = 6 + symbol.chars().filter(|c| *c == '\u{303}').count();
+            let width = width(column) + symbol.chars().filter(|c| *c == '\u{303}').count();
             let _ = write!(text, "{symbol:>width$}");
         }
         text.push('\n');
         for (quantity, values) in table.quantities.iter().zip(&table.values) {
-            let cells = &values[columns.clone()];
-            if cells.iter().all(|value| *value == 0.0) {
+            if values[columns.clone()].iter().all(|value| *value == 0.0) {
                 continue;
             }
             let _ = write!(text, "  {:<24}", quantity.name());
-            for value in cells {
-                let cell = match *value {
-                    value if value.is_nan() => "-".to_owned(),
-                    0.0 => ".".to_owned(),
-                    value => format!("{value:.2}"),
-                };
-                let _ = write!(text, "{cell:>6}");
+            for column in columns.clone() {
+                let (cell, width) = (cell(values[column]), width(column));
+                let _ = write!(text, "{cell:>width$}");
             }
             text.push('\n');
         }
     }
     text
 }
+
+/// Least width of a column of sensitivities.
+const LEAST_COLUMN: usize = 6;
 
 fn object(experiment: &Experiment, machine: &Machine) -> Value {
     let parameters: Map<String, Value> = determined(experiment)

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::{Value, json};
-use tribochaos::design::{Axis, Coordinate};
+use tribochaos::design::Axis;
 use tribochaos::engine::audit::{self, Audit};
 use tribochaos::engine::choice::{self, Choice};
 use tribochaos::engine::{self, Backends, Cause, EngineError, Sink, Table, Work, estimate};
@@ -14,24 +14,21 @@ use tribochaos::experiment::{Experiment, Request};
 use tribochaos::map::ParameterMap;
 use tribochaos::output::picture::{self, Style};
 use tribochaos::output::store::MapStore;
-use tribochaos::output::{drawing, png};
 
 use super::json::JsonArgs;
 use super::outputs::Outputs;
 use super::overlay::{self, Theory};
 use super::progress::{self, Progress};
 use super::report;
-use super::request::{self, ExperimentArgs};
+use super::request::{self, AskedAxis, ExperimentArgs};
 use super::{Failure, outputs};
 
 #[derive(Args)]
 #[command(after_long_help = request::help())]
 pub struct MapArgs {
-    /// Experiment in TOML, as --print-experiment writes it; options override it
+    /// The same as --from
+    #[arg(value_name = "EXPERIMENT", conflicts_with = "from")]
     experiment_file: Option<PathBuf>,
-    /// Take the experiment from a picture that this program has drawn, or from a store; options override it
-    #[arg(long, value_name = "PICTURE.PNG|STORE.zarr", conflicts_with = "experiment_file")]
-    from: Option<PathBuf>,
     /// Horizontal axis, ends included [default: zeta_k=0:12:300]
     #[arg(long, value_name = "NAME=START:STOP:COUNT", value_parser = request::axis)]
     x: Option<Axis>,
@@ -57,9 +54,6 @@ pub struct MapArgs {
     /// Curve from theory over the pictures: melnikov, the threshold of Mel'nikov's criterion
     #[arg(long, value_name = "melnikov", value_parser = request::named::<Theory>)]
     overlay: Option<Theory>,
-    /// Print the resolved experiment as TOML, and stop
-    #[arg(long)]
-    print_experiment: bool,
     #[command(flatten)]
     json: JsonArgs,
 }
@@ -67,70 +61,44 @@ pub struct MapArgs {
 /// Points of a GPU map that are audited by default.
 const DEFAULT_AUDIT: u32 = 32;
 
+/// The axes of a map, unless others are asked for.
+const AXES: [fn() -> Axis; 2] = [
+    || {
+        let [x, _] = Request::default_map();
+        x
+    },
+    || {
+        let [_, y] = Request::default_map();
+        y
+    },
+];
+
 impl MapArgs {
     fn request(&self) -> Result<Request, Failure> {
-        let mut request = match (&self.experiment_file, &self.from) {
-            (Some(path), _) => request::read(path).map_err(Failure::Input)?,
-            (None, Some(picture)) => {
-                let toml = experiment_in(picture).map_err(Failure::Input)?;
-                Request::from_toml(&toml).map_err(Failure::input)?
-            }
-            (None, None) => Request::default(),
-        };
-        // a parameter that becomes an axis loses the value it had in the file, unless it is set here as well
-        let mut axes = request.axes.take().unwrap_or_else(|| Request::default_map().into());
-        let [x, y] = &mut axes[..] else {
-            return Err(Failure::Input(anyhow!(
-                "a map has two axes, and the experiment has {}: give it two",
-                axes.len()
-            )));
-        };
-        for (axis, typed) in [(x, &self.x), (y, &self.y)] {
-            if let Some(typed) = typed {
-                request.set.remove(typed.coordinate.name());
-                *axis = typed.clone();
-            }
-        }
-        self.experiment.apply(&mut request)?;
-        let coordinates: Vec<Coordinate> = axes.iter().map(|axis| axis.coordinate).collect();
-        self.experiment.leave_free(&coordinates, &mut request);
-        request.axes = Some(axes);
-        request.settings.decide_early &= !self.full_length;
-        request.settings.audit = self.audit.or(request.settings.audit);
+        let mut experiment = self.experiment.clone();
+        experiment.subject.from = self.experiment_file.clone().or(experiment.subject.from);
+        let [x, y] = AXES;
+        let axes = [(&self.x, x), (&self.y, y)].map(|(typed, default)| AskedAxis {
+            typed: typed.as_ref(),
+            default,
+        });
+        let mut request = experiment.request(None, &Request::default(), axes)?;
+        request.sampling.decide_early &= !self.full_length;
+        request.checking.audit = self.audit.or(request.checking.audit);
         request.out = self.out.clone().or(request.out);
         Ok(request)
     }
 }
 
-/// The experiment in a picture or a store, in TOML.
-///
-/// # Errors
-/// If there is none: that of another command is none of a map.
-fn experiment_in(picture: &Path) -> anyhow::Result<String> {
-    if picture.is_dir() {
-        return Ok(MapStore::open(picture)?.experiment().to_toml());
-    }
-    png::read_experiment(picture).map_err(|error| {
-        let recipe = drawing::read_recipe(picture).ok().flatten();
-        let recipe = recipe.and_then(|recipe| recipe.parse::<toml::Table>().ok());
-        match recipe.as_ref().and_then(|recipe| recipe.get("command")?.as_str()) {
-            Some(command) => anyhow!(
-                "{} was drawn by `tribochaos {command}`: --from takes the picture of a map",
-                picture.display()
-            ),
-            None => error.into(),
-        }
-    })
-}
-
 pub fn run(args: &MapArgs) -> Result<(), Failure> {
     let request = args.request()?;
     let experiment = request.resolve().map_err(Failure::input)?;
-    if args.print_experiment {
-        if let Some(out) = &request.out {
-            print_text!("out = {:?}\n", out.display().to_string());
-        }
-        print_text!("{}", experiment.to_toml());
+    if args.experiment.subject.print_experiment {
+        let written = Request {
+            out: request.out,
+            ..experiment.request()
+        };
+        print_text!("{}", written.to_toml());
         return Ok(());
     }
     for warning in experiment.warnings() {
@@ -243,7 +211,7 @@ fn unfinished(EngineError { cause, finished, units }: EngineError, store: &Path)
 /// Audits the map as the settings ask, and stores what came out.
 fn audit_map(map: &ParameterMap, experiment: &Experiment, store: &mut MapStore) -> Result<Option<Audit>, Failure> {
     let points = experiment
-        .settings
+        .checking
         .audit
         .unwrap_or(if map.has_gpu_points() { DEFAULT_AUDIT } else { 0 });
     if points == 0 {

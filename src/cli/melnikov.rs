@@ -2,19 +2,23 @@
 
 use anyhow::anyhow;
 use clap::Args;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tribochaos::analysis::melnikov::{Curve, CurveError, SEARCH_VALUES, default_search, sampled, threshold_curve};
-use tribochaos::design::{Axis, Coordinate, Design, Fixed};
-use tribochaos::experiment::{Experiment, Request};
+use tribochaos::design::{Axis, Coordinate, Design, Fixed, Points};
+use tribochaos::experiment::Request;
 use tribochaos::machine::units::si;
 use tribochaos::model::melnikov::{self, Extremes, Melnikov, Threshold};
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts};
 use tribochaos::parameters::Parameter;
 
-use super::analysis::{self, Files, OutArgs, Values};
+use super::analysis::{self, Claim, OutArgs};
 use super::request::SubjectArgs;
 use super::{Failure, request};
+
+/// The name of the command in files.
+const COMMAND: &str = "melnikov";
 
 /// Mel'nikov's function measures, to first order in epsilon, the distance between the stable and the unstable manifold of the
 /// saddle at rest, with dry friction as sgn; as in the paper it is positive where the stable one has the greater energy. Where
@@ -27,7 +31,16 @@ pub struct MelnikovArgs {
     subject: SubjectArgs,
     /// Several values of a parameter, a curve for each
     #[arg(long, value_name = "NAME=V1,V2,...", value_parser = analysis::values)]
-    at: Option<Values>,
+    at: Option<Points>,
+    #[command(flatten)]
+    options: Options,
+    #[command(flatten)]
+    out: OutArgs,
+}
+
+#[derive(Args, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Options {
     /// Parameter, or quantity of the machine, whose threshold is looked for, and where: the least value at which M begins or
     /// ceases to change sign [default: zeta_k=0:20, of a machine the shaft_speed_amplitude that gives it]
     #[arg(long, value_name = "NAME[=LOW:HIGH]", value_parser = sought)]
@@ -36,17 +49,26 @@ pub struct MelnikovArgs {
     #[arg(long, value_name = "NAME=START:STOP:COUNT", value_parser = request::axis)]
     over: Option<Axis>,
     /// Range of tau0 in the picture [default: a period to either side of 0]
-    #[arg(long, value_name = "LOW:HIGH", value_parser = request::range, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = tau, allow_hyphen_values = true)]
     tau: Option<[f64; 2]>,
-    #[command(flatten)]
-    out: OutArgs,
+}
+
+fn tau(text: &str) -> Result<[f64; 2], String> {
+    let [low, high] = request::range(text)?;
+    if low < high && low.is_finite() && high.is_finite() {
+        Ok([low, high])
+    } else {
+        Err(format!(
+            "tau0 from {low} to {high} is no range: give the lower end first"
+        ))
+    }
 }
 
 /// Values of tau0 in a curve.
 const SAMPLES: usize = 1201;
 
 /// What a threshold is looked for in.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Sought {
     coordinate: Coordinate,
     range: Option<[f64; 2]>,
@@ -110,9 +132,13 @@ fn check_machines(axes: Vec<Axis>, at: &Fixed) -> Result<(), Failure> {
 }
 
 pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
-    let experiment = experiment(args)?;
+    let mut request = args.subject.base(Some(COMMAND), &Request::default())?;
+    args.subject.apply(&mut request)?;
+    analysis::at_points(&mut request, args.at.as_ref(), &args.subject)?;
+    let mut options = request::options(&args.options, &request)?;
+    let experiment = request.resolve().map_err(Failure::input)?;
     let at = experiment.design.fixed;
-    let points = analysis::points(args.at.as_ref(), &at, &args.subject.set)?;
+    let points = analysis::points(&experiment);
     if points.len() > charts::MOST_CURVES {
         return Err(Failure::Input(anyhow::anyhow!(
             "{} curves are too many for one picture (at most {}): give fewer values",
@@ -125,21 +151,15 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
         .map(|point| Melnikov::new(point.parameters()))
         .collect::<Result<Vec<_>, _>>()
         .map_err(Failure::input)?;
-    let period = functions[0].period();
-    let [low, high] = args.tau.unwrap_or([-period, period]);
-    if !(low < high && low.is_finite() && high.is_finite()) {
-        return Err(Failure::Input(anyhow::anyhow!(
-            "tau0 from {low} to {high} is no range: give the lower end first"
-        )));
+    let varied = experiment.design.varied.coordinates();
+    for &coordinate in &varied {
+        check(coordinate, &at)?;
     }
-    if let Some(values) = &args.at {
-        check(values.coordinate, &at)?;
-    }
-    let along = search(args.threshold, &at)?;
+    let along = search(options.threshold, &at)?;
     for point in &points {
         check_machines(vec![along.clone()], point)?;
     }
-    if let Some(over) = &args.over {
+    if let Some(over) = &options.over {
         if over.coordinate == along.coordinate {
             let name = over.coordinate.name();
             return Err(Failure::input(CurveError::SameParameter { name }));
@@ -147,33 +167,39 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
         check(over.coordinate, &at)?;
         check_machines(vec![along.clone(), over.clone()], &at)?;
     }
-    let options = json!({
-        "at": args.at.as_ref().map_or(Value::Array(vec![]), |values| json!([values.coordinate, values.values])),
-        "threshold": [json!(along.coordinate), json!(along.first()), json!(along.last())],
-        "over": args.over.as_ref().map_or(Value::Array(vec![]), |over| json!([over])),
-        "tau": [low, high],
+    let period = functions[0].period();
+    let [low, high] = *options.tau.get_or_insert([-period, period]);
+    options.threshold = Some(Sought {
+        coordinate: along.coordinate,
+        range: Some([along.first(), along.last()]),
     });
-    let recipe = analysis::recipe("melnikov", &experiment, options);
-    let drawings: &[&str] = if args.over.is_some() {
+    let written = request::written(COMMAND, &experiment, &options);
+    if args.subject.print_experiment {
+        print_text!("{}", written.to_toml());
+        return Ok(());
+    }
+    let drawings: &[&str] = if options.over.is_some() {
         &["", "-threshold"]
     } else {
         &[""]
     };
-    let mut files = Files::claim(&args.out, "outputs/melnikov", drawings, recipe)?;
+    let mut files = Claim::new(&args.out, "outputs/melnikov", drawings, &written)?;
 
-    let coordinate = Values::coordinate_of(args.at.as_ref());
     let mut curves = Vec::new();
     let mut rows = Vec::new();
     let mut objects = Vec::new();
     for (point, function) in points.iter().zip(&functions) {
-        let value = analysis::value_of(point, coordinate);
+        let values: Vec<f64> = varied
+            .iter()
+            .map(|&coordinate| analysis::value_of(point, coordinate))
+            .collect();
         let curve = sampled(point.parameters(), low, high, SAMPLES).map_err(Failure::input)?;
-        let name = match &args.at {
-            Some(_) => caption::assigned(point, coordinate, value),
-            None => String::new(),
-        };
-        rows.extend(curve.iter().map(|&[tau_0, m]| [value, tau_0, m]));
-        curves.push((name, curve));
+        let assigned = varied.iter().zip(&values);
+        let name: Vec<String> = assigned
+            .map(|(&coordinate, &value)| caption::assigned(point, coordinate, value))
+            .collect();
+        rows.extend(curve.iter().map(|sample| [&values[..], sample].concat()));
+        curves.push((name.join(", "), curve));
         let summary = Summary {
             point,
             along: &along,
@@ -184,25 +210,27 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
         if args.out.json.wanted() {
             objects.push(summary.object()?);
         } else {
-            summary.print(args.at.as_ref());
+            summary.print(&varied);
         }
     }
     let unseen = [Parameter::Epsilon, Parameter::Epsilon0, Parameter::X0, Parameter::Y0];
     let mut shown: Vec<Coordinate> = unseen.map(Coordinate::from).to_vec();
-    shown.extend(args.at.as_ref().map(|values| values.coordinate));
+    shown.extend(&varied);
     let caption = |shown: &[Coordinate]| vec![caption::fixed(&at, shown), format!("{PROGRAM}.")];
     let sheet = Sheet::single(charts::melnikov("", &curves, None), caption(&shown));
     files.draw("", &sheet, "Mel'nikov's function of the bush-shaft system")?;
-    let note = analysis::unit_note(&experiment, &[coordinate], "");
+    let note = analysis::unit_note(&experiment, &varied, "");
     let notes: Vec<String> = [note].into_iter().filter(|note| !note.is_empty()).collect();
-    files.table("", &notes, [coordinate.name(), "tau_0", "melnikov"], rows.into_iter())?;
+    let names = varied.iter().map(|coordinate| coordinate.name());
+    let columns: Vec<&str> = names.chain(["tau_0", "melnikov"]).collect();
+    files.table("", &notes, columns, rows.into_iter())?;
 
     // one point is the object itself
     let mut object = match <[Value; 1]>::try_from(objects) {
         Ok([object]) => object,
         Err(objects) => json!({ "points": objects }),
     };
-    if let Some(over) = &args.over {
+    if let Some(over) = &options.over {
         let curve = threshold_curve(&at, &along, over).map_err(Failure::input)?;
         shown.extend([along.coordinate, over.coordinate]);
         let sheet = Sheet::single(charts::threshold(&curve), caption(&shown));
@@ -230,20 +258,8 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
         )?;
         report_curve(&curve, args.out.json.wanted().then_some(&mut object));
     }
-    files.report(
-        args.out
-            .json
-            .wanted()
-            .then(|| analysis::with_machine(object, &experiment)),
-    );
+    files.tell(&experiment, || object, || {});
     Ok(())
-}
-
-/// An experiment without axes, of which only the parameters count.
-fn experiment(args: &MelnikovArgs) -> Result<Experiment, Failure> {
-    let mut request = Request::default();
-    args.subject.apply(&mut request)?;
-    request.resolve_point().map_err(Failure::input)
 }
 
 /// Greatest difference between the closed form and the quadrature at some tau0: the program's check of itself.
@@ -317,10 +333,9 @@ impl Summary<'_> {
         }
     }
 
-    fn print(&self, values: Option<&Values>) {
-        if let Some(values) = values {
-            let value = analysis::value_of(self.point, values.coordinate);
-            print_line!("{} = {value}", values.coordinate);
+    fn print(&self, varied: &[Coordinate]) {
+        for &coordinate in varied {
+            print_line!("{coordinate} = {}", analysis::value_of(self.point, coordinate));
         }
         let e = &self.extremes;
         print_line!("least M             {:.6} at tau0 = {:.6}", e.minimum, e.minimum_at);

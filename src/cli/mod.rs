@@ -24,6 +24,7 @@ mod bench;
 mod bifurcation;
 mod completions;
 mod devices;
+mod from;
 mod history;
 mod json;
 mod lifetime;
@@ -138,7 +139,7 @@ fn with_causes(error: &anyhow::Error) -> String {
 /// The command line, with the defaults of each command in its help as the code has them.
 fn command() -> clap::Command {
     let on_the_cpu = |mut defaults: Request| {
-        defaults.settings.backend = BackendChoice::Cpu;
+        defaults.device.backend = BackendChoice::Cpu;
         defaults
     };
     let commands = [
@@ -153,9 +154,7 @@ fn command() -> clap::Command {
     commands
         .into_iter()
         .fold(Cli::command(), |command, (name, defaults, hidden)| {
-            command.mut_subcommand(name, |command| {
-                request::tell_defaults(command, &defaults.settings, hidden)
-            })
+            command.mut_subcommand(name, |command| request::tell_defaults(command, &defaults, hidden))
         })
 }
 

@@ -10,8 +10,7 @@ use tribochaos::experiment::{Experiment, Settings};
 use tribochaos::machine::units::si;
 use tribochaos::output::{caption, charts};
 
-use super::Failure;
-use super::progress::Progress;
+use super::{Failure, analysis};
 
 /// What is searched for chaos, checked.
 pub struct Search {
@@ -85,13 +84,16 @@ impl Search {
         })
     }
 
-    /// Searches from both ends of the axis; None if it was interrupted.
+    /// Searches from both ends of the axis.
+    ///
+    /// # Errors
+    /// If the backend fails, or a signal broke the search off.
     pub fn run(
         self,
         experiment: &Experiment,
         starts: &[[f64; 2]],
         backends: &mut Backends,
-    ) -> Result<Option<Outcome>, Failure> {
+    ) -> Result<Outcome, Failure> {
         let scan = Scan {
             definition: &self.definition,
             at: &experiment.design.fixed,
@@ -100,19 +102,19 @@ impl Search {
         };
         // what lies between onset and end is left out, and chaos confirmed besides
         let points = self.fine.count() * starts.len();
-        let bar = Progress::new(engine::instance_periods(&self.definition.settings, points), points);
-        let mut first = |way| {
-            let observer = &mut |event: engine::Event<'_>| bar.hear(event);
-            scan.first(way, backends, observer).map_err(Failure::backend)
-        };
-        let Some(up) = first(Way::Up)? else { return Ok(None) };
-        // what does not begin does not end
-        let down = if up.found.is_some() {
-            first(Way::Down)?
-        } else {
-            Some(up)
-        };
-        let Some(down) = down else { return Ok(None) };
+        let work = engine::instance_periods(&self.definition.settings, points);
+        let [up, down] = analysis::compute(work, points, |observer| {
+            let Some(up) = scan.first(Way::Up, backends, observer)? else {
+                return Ok(None);
+            };
+            // what does not begin does not end
+            let down = if up.found.is_some() {
+                scan.first(Way::Down, backends, observer)?
+            } else {
+                Some(up)
+            };
+            Ok(down.map(|down| [up, down]))
+        })?;
         let bound = |way, scanned: Scanned, extreme: f64| Bound {
             way,
             scanned,
@@ -122,7 +124,7 @@ impl Search {
             bound(Way::Up, up, self.fine.first()),
             bound(Way::Down, down, self.fine.last()),
         ];
-        Ok(Some(Outcome::Searched(self, Box::new(bounds))))
+        Ok(Outcome::Searched(self, Box::new(bounds)))
     }
 
     /// How chaos was looked for.
@@ -130,10 +132,10 @@ impl Search {
         let settings = &self.definition.settings;
         format!(
             "by {} + {} periods of {} {} steps, confirmed over {CONFIRMING_PERIODS}, on multiples of {}",
-            settings.transient_periods,
-            settings.periods,
-            settings.steps_per_period(),
-            settings.scheme().name(),
+            settings.sampling.transient_periods,
+            settings.sampling.periods,
+            settings.integration.steps_per_period,
+            settings.integration.scheme.name(),
             charts::rounded(self.spacing)
         )
     }

@@ -7,7 +7,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail};
-use tribochaos::experiment::Experiment;
+use tribochaos::experiment::{Experiment, Request};
 use tribochaos::map::{self, ParameterMap};
 use tribochaos::measure::Quantity;
 use tribochaos::output::picture::{self, Style};
@@ -171,7 +171,7 @@ impl Outputs {
     fn resumable(&self, experiment: &Experiment) -> anyhow::Result<MapStore> {
         let path = self.store();
         let store = MapStore::open(&path).context("give another --out, or --force to replace a damaged store")?;
-        if store.experiment() != experiment {
+        if !store.experiment().has_results_of(experiment) {
             bail!(
                 "{} holds the results of another experiment: give another --out, or --force to replace them",
                 path.display()
@@ -211,7 +211,7 @@ impl Outputs {
         }
         for &quantity in Quantity::drawn(experiment.wears()) {
             let path = self.picture(quantity);
-            if path.exists() && png::read_experiment(&path).ok() != Some(experiment.to_toml()) {
+            if path.exists() && !shows(&path, experiment) {
                 bail!(
                     "{} shows another experiment: give another --out, or --force to replace it",
                     path.display()
@@ -247,6 +247,13 @@ impl Outputs {
         picture::draw(map, quantity, style, &path)?;
         Ok(path)
     }
+}
+
+/// Whether a picture shows the results of an experiment.
+fn shows(picture: &Path, experiment: &Experiment) -> bool {
+    let shown = png::read_experiment(picture).ok();
+    let shown = shown.and_then(|toml| Request::from_toml(&toml).ok()?.resolve().ok());
+    shown.is_some_and(|shown| shown.has_results_of(experiment))
 }
 
 /// `outputs/map` of `outputs/map.zarr`.

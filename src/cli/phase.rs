@@ -1,19 +1,23 @@
 //! `phase`: the phase plane of one or several orbits.
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 use tribochaos::analysis::exponents::from;
 use tribochaos::analysis::path::path;
-use tribochaos::design::Coordinate;
-use tribochaos::experiment::{Request, Settings};
+use tribochaos::design::{Coordinate, Points};
+use tribochaos::experiment::Request;
 use tribochaos::measure::Status;
 use tribochaos::output::sheet::Sheet;
 use tribochaos::output::{PROGRAM, caption, charts};
 use tribochaos::parameters::Parameter;
 
-use super::analysis::{self, Files, OutArgs, StartArgs, Values};
+use super::analysis::{self, Claim, OutArgs, StartArgs};
 use super::request::{self, ExperimentArgs};
 use super::{Failure, report};
+
+/// The name of the command in files.
+const COMMAND: &str = "phase";
 
 /// Orbits are integrated on the CPU in f64, with frictional heat where gamma is not 0. The default is 32 measured periods after
 /// 300.
@@ -22,13 +26,21 @@ use super::{Failure, report};
 pub struct PhaseArgs {
     /// Several values of a parameter, an orbit for each
     #[arg(long, value_name = "NAME=V1,V2,...", value_parser = analysis::values)]
-    at: Option<Values>,
+    at: Option<Points>,
     #[command(flatten)]
-    start: StartArgs,
+    options: Options,
     #[command(flatten)]
     experiment: ExperimentArgs,
     #[command(flatten)]
     out: OutArgs,
+}
+
+#[derive(Args, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Options {
+    #[command(flatten)]
+    #[serde(default, skip_serializing_if = "StartArgs::is_empty")]
+    start: StartArgs,
 }
 
 /// Points of a path in each forcing period.
@@ -38,50 +50,49 @@ const MOST_ORBITS: usize = charts::MOST_CURVES;
 
 /// What holds where nothing else is asked for.
 pub fn defaults() -> Request {
-    let mut defaults = Request::default();
-    defaults.settings.periods = 32;
+    let mut defaults = analysis::defaults();
+    defaults.sampling.periods = 32;
     defaults
 }
 
 pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
-    let mut experiment = analysis::experiment(&args.experiment, None, defaults())?;
-    let starts = args.start.resolve(&args.experiment, &experiment)?;
-    let points = analysis::points(args.at.as_ref(), &experiment.design.fixed, &args.experiment.subject.set)?;
-    analysis::check_lasting(points.iter().any(|point| point.parameters().wears()))?;
-    // the scheme suits the points of --at, not the one whose value they replace
-    let typed = Settings {
-        scheme: args.experiment.scheme,
-        steps_per_period: args.experiment.steps_per_period,
-        ..experiment.settings
-    };
-    experiment.settings = typed
-        .for_model(points.iter().any(|point| point.parameters().is_rubbed()))
-        .map_err(Failure::input)?;
-    let settings = &experiment.settings;
-    let count = points.len() * starts.len();
+    let mut request = args.experiment.request(Some(COMMAND), &defaults(), [])?;
+    analysis::at_points(&mut request, args.at.as_ref(), &args.experiment.subject)?;
+    let mut options = request::options(&args.options, &request)?;
+    let experiment = analysis::resolve(&request)?;
+    options.start.start = args
+        .options
+        .start
+        .resolve(&options.start, &args.experiment, &experiment)?;
+    let written = request::written(COMMAND, &experiment, &options);
+    if args.experiment.subject.print_experiment {
+        print_text!("{}", written.to_toml());
+        return Ok(());
+    }
+    analysis::check_lasting(experiment.wears())?;
+    let (settings, starts) = (&experiment.settings, &options.start.start);
+    let count = experiment.design.len() * starts.len();
     if count > MOST_ORBITS {
         return Err(Failure::Input(anyhow::anyhow!(
             "{count} orbits are too many for one picture (at most {MOST_ORBITS}): give fewer values or initial states"
         )));
     }
-    let options = json!({
-        "at": args.at.as_ref().map_or(Value::Array(vec![]), |values| json!([values.coordinate, values.values])),
-        "starts": starts,
-    });
-    let recipe = analysis::recipe("phase", &experiment, options);
-    let mut files = Files::claim(&args.out, "outputs/phase", &[""], recipe)?;
+    let mut files = Claim::new(&args.out, "outputs/phase", &[""], &written)?;
 
-    let coordinate = Values::coordinate_of(args.at.as_ref());
+    let varied = experiment.design.varied.coordinates();
     let mut orbits = Vec::new();
     let mut rows = Vec::new();
     let mut objects = Vec::new();
-    for point in &points {
-        for &start in &starts {
+    for point in &analysis::points(&experiment) {
+        let values: Vec<f64> = varied
+            .iter()
+            .map(|&coordinate| analysis::value_of(point, coordinate))
+            .collect();
+        for &start in starts {
             let path = path(&from(point.parameters(), start), settings, POINTS_PER_PERIOD);
-            let value = analysis::value_of(point, coordinate);
             rows.extend(path.points.iter().map(|p| {
                 let is_stroboscopic = f64::from(u8::from(p.is_stroboscopic));
-                [start[0], start[1], value, p.tau, p.x, p.y, is_stroboscopic]
+                [&start[..], &values, &[p.tau, p.x, p.y, is_stroboscopic]].concat()
             }));
             let [x, y] = start;
             let ending = match path.status {
@@ -90,12 +101,16 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
                 Status::UnderResolved => Some(format!("is under-resolved ({})", report::remedy(settings))),
             };
             if let Some(ending) = ending {
-                eprintln!("warning: the orbit from ({x}, {y}) at {coordinate} = {value} {ending}: its path ends there");
+                let at = varied.iter().zip(&values);
+                let at: String = at
+                    .map(|(coordinate, value)| format!(" at {coordinate} = {value}"))
+                    .collect();
+                eprintln!("warning: the orbit from ({x}, {y}){at} {ending}: its path ends there");
             }
-            let mut name: Vec<String> = args
-                .at
+            let mut name: Vec<String> = varied
                 .iter()
-                .map(|at| caption::assigned(point, at.coordinate, value))
+                .zip(&values)
+                .map(|(&coordinate, &value)| caption::assigned(point, coordinate, value))
                 .collect();
             if starts.len() > 1 {
                 name.push(format!("from {}", charts::start(start)));
@@ -113,7 +128,7 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
             orbits.push((name, path.points));
         }
     }
-    let mut shown: Vec<Coordinate> = args.at.iter().map(|at| at.coordinate).collect();
+    let mut shown = varied.clone();
     if starts.len() > 1 {
         shown.extend([Parameter::X0, Parameter::Y0].map(Coordinate::from));
     }
@@ -121,28 +136,26 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
         caption::fixed(&experiment.design.fixed.from_state(starts[0]), &shown),
         format!(
             "{} forcing periods after {}. {}, integrated on CPU (f64). {PROGRAM}.",
-            settings.periods,
-            settings.transient_periods,
+            settings.sampling.periods,
+            settings.sampling.transient_periods,
             caption::scheme(settings)
         ),
     ];
     let sheet = Sheet::single(charts::phase("", &orbits, None, None), caption);
     files.draw("", &sheet, "Phase plane of the bush-shaft system")?;
+    let note = "tau from the end of the transient; stroboscopic: 1 at drive phase 0";
+    let names = varied.iter().map(|coordinate| coordinate.name());
+    let columns: Vec<&str> = ["x0", "y0"]
+        .into_iter()
+        .chain(names)
+        .chain(["tau", "x", "y", "stroboscopic"])
+        .collect();
     files.table(
         "",
-        &[analysis::unit_note(
-            &experiment,
-            &[coordinate],
-            "tau from the end of the transient; stroboscopic: 1 at drive phase 0",
-        )],
-        ["x0", "y0", coordinate.name(), "tau", "x", "y", "stroboscopic"],
+        &[analysis::unit_note(&experiment, &varied, note)],
+        columns,
         rows.into_iter(),
     )?;
-    files.report(
-        args.out
-            .json
-            .wanted()
-            .then(|| analysis::with_machine(json!({ "orbits": objects }), &experiment)),
-    );
+    files.tell(&experiment, || json!({ "orbits": objects }), || {});
     Ok(())
 }

@@ -3,35 +3,57 @@
 use std::time::Instant;
 
 use clap::Args;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use tribochaos::analysis::section::{self, ORBITS};
 use tribochaos::design::Coordinate;
 use tribochaos::engine::Event;
-use tribochaos::experiment::Request;
+use tribochaos::experiment::{InitialBox, Request, Sampling};
 use tribochaos::output::panel::Layer;
 use tribochaos::output::sheet::{SINGLE, Sheet};
 use tribochaos::output::{PROGRAM, caption, charts};
 
-use super::analysis::{self, Files, OutArgs};
-use super::progress::{self, Progress};
+use super::analysis::{self, Claim, OutArgs};
 use super::request::{self, ExperimentArgs};
 use super::{Failure, report};
+
+/// The name of the command in files.
+const COMMAND: &str = "poincare";
 
 /// Many orbits, begun within 1e-3 of (x0, y0), share the work; on a chaotic attractor they part within some tens of periods.
 /// The default is 500 periods of transient; measured periods follow from --points.
 #[derive(Args)]
 #[command(after_long_help = request::parameter_table())]
 pub struct PoincareArgs {
-    /// States at drive phase 0 in the section
-    #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..=200_000_000))]
-    points: u64,
-    /// Part of the plane to draw, as X_MIN:X_MAX,Y_MIN:Y_MAX [default: all that is reached]
-    #[arg(long, value_name = "BOX", value_parser = request::initial_box, allow_hyphen_values = true)]
-    window: Option<tribochaos::experiment::InitialBox>,
+    #[command(flatten)]
+    options: Options,
     #[command(flatten)]
     experiment: ExperimentArgs,
     #[command(flatten)]
     out: OutArgs,
+}
+
+#[derive(Args, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Options {
+    /// States at drive phase 0 in the section [default: 1000000]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_POINTS))]
+    points: Option<u64>,
+    /// Part of the plane to draw, as X_MIN:X_MAX,Y_MIN:Y_MAX [default: all that is reached]
+    #[arg(long, value_name = "BOX", value_parser = window, allow_hyphen_values = true)]
+    window: Option<InitialBox>,
+}
+
+const POINTS: u64 = 1_000_000;
+const MOST_POINTS: u64 = 200_000_000;
+
+fn window(text: &str) -> Result<InitialBox, String> {
+    let window = request::initial_box(text)?;
+    if window.x[0] < window.x[1] && window.y[0] < window.y[1] {
+        Ok(window)
+    } else {
+        Err("the window has no extent: write X_MIN:X_MAX,Y_MIN:Y_MAX, lower ends first".to_owned())
+    }
 }
 
 /// Pixels that the states of a cycle of up to 32 periods lie on, and as many more for those at the edges of some.
@@ -39,8 +61,8 @@ const MOST_CYCLE_PIXELS: usize = 64;
 
 /// What holds where nothing else is asked for.
 pub fn defaults() -> Request {
-    let mut defaults = Request::default();
-    defaults.settings.transient_periods = 500;
+    let mut defaults = analysis::defaults();
+    defaults.sampling.transient_periods = 500;
     defaults
 }
 
@@ -48,57 +70,48 @@ pub fn defaults() -> Request {
 pub const HIDDEN: &[&str] = &["periods"];
 
 pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
-    let mut experiment = analysis::experiment(&args.experiment, None, defaults())?;
-    analysis::check_lasting(experiment.wears())?;
     if args.experiment.periods.is_some() {
         return Err(Failure::Input(anyhow::anyhow!(
             "the measured periods of a section follow from --points: leave --periods out"
         )));
     }
-    if let Some(window) = args.window
-        && !(window.x[0] < window.x[1] && window.y[0] < window.y[1])
-    {
-        return Err(Failure::Input(anyhow::anyhow!(
-            "the window has no extent: write X_MIN:X_MAX,Y_MIN:Y_MAX, lower ends first"
-        )));
+    let mut request = args.experiment.request(Some(COMMAND), &defaults(), [])?;
+    let options = request::options(&args.options, &request)?;
+    let asked = options.points.unwrap_or(POINTS).min(MOST_POINTS);
+    let orbits = u32::try_from(asked.div_ceil(64)).unwrap_or(ORBITS).min(ORBITS);
+    // a measurement needs more than a small section
+    request.sampling.periods = section::periods(asked, orbits).max(Sampling::LEAST_PERIODS);
+    let experiment = analysis::resolve(&request)?;
+    analysis::check_lasting(experiment.wears())?;
+    let written = request::written(COMMAND, &experiment, &options);
+    if args.experiment.subject.print_experiment {
+        print_text!("{}", written.to_toml());
+        return Ok(());
     }
-    let orbits = u32::try_from(args.points.div_ceil(64)).unwrap_or(ORBITS).min(ORBITS);
-    experiment.settings.periods = section::periods(args.points, orbits);
     let settings = &experiment.settings;
     let at = &experiment.design.fixed;
-    let options =
-        json!({ "points": args.points, "orbits": orbits, "window": args.window.into_iter().collect::<Vec<_>>() });
-    let recipe = analysis::recipe("poincare", &experiment, options);
-    let mut files = Files::claim(&args.out, "outputs/poincare", &[""], recipe)?;
-    let mut choice = analysis::choose(&experiment)?;
+    let mut files = Claim::new(&args.out, "outputs/poincare", &[""], &written)?;
+    let mut backends = analysis::choose(&experiment)?.backends;
 
-    progress::catch_signals();
     let started = Instant::now();
-    let bar = Progress::new(
-        u64::from(orbits) * u64::from(settings.transient_periods + settings.periods),
-        orbits as usize,
-    );
-    let mut hear = |periods| bar.hear(Event::Advanced(periods));
-    let section::Section { mut points, runaways } = section::section(
-        choice.backends.active_mut(),
-        settings,
-        at.parameters(),
-        orbits,
-        &mut hear,
-    )
-    .map_err(Failure::backend)?
-    .ok_or_else(|| Failure::Interrupted("nothing is drawn".into()))?;
-    drop(bar);
-    let integrated_on = caption::integrated_on([choice.backends.active().kind()].into_iter());
+    let periods = settings.sampling.transient_periods + settings.sampling.periods;
+    let work = u64::from(orbits) * u64::from(periods);
+    let section::Section { mut points, runaways } = analysis::compute(work, orbits as usize, |observer| {
+        let mut hear = |periods| observer(Event::Advanced(periods));
+        section::section(backends.active_mut(), settings, at.parameters(), orbits, &mut hear)
+    })?;
+    let integrated_on = caption::integrated_on([backends.active().kind()].into_iter());
     if points.is_empty() {
         return Err(Failure::Run(anyhow::anyhow!(
             "all {orbits} orbits ran away or were given up as under-resolved, and there is nothing to draw: `tribochaos point` \
              tells which of the two"
         )));
     }
-    points.truncate(usize::try_from(args.points).unwrap_or(usize::MAX));
+    points.truncate(usize::try_from(asked).unwrap_or(usize::MAX));
 
-    let [x, y] = args.window.map_or([None; 2], |window| [Some(window.x), Some(window.y)]);
+    let [x, y] = options
+        .window
+        .map_or([None; 2], |window| [Some(window.x), Some(window.y)]);
     let panel = charts::section("", &points, x, y, SINGLE);
     let (occupied, outside) = match &panel.layers[..] {
         [Layer::Density(density)] => (density.occupied(), density.outside()),
@@ -111,7 +124,7 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     let mut numerics = format!(
         "{} states of {orbits} orbits begun within 0.001 of (x₀, y₀), after {} forcing periods. {}, {integrated_on}. ",
         points.len(),
-        settings.transient_periods,
+        settings.sampling.transient_periods,
         caption::scheme(settings)
     );
     if outside > 0 {
@@ -135,35 +148,34 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
         ["x", "y"],
         points.iter().copied(),
     )?;
-    if args.out.json.wanted() {
-        let object = json!({
+    let object = || {
+        json!({
             "parameters": analysis::parameters(at.parameters()),
             "points": points.len(),
             "orbits": orbits,
             "runaways": runaways,
             "in_window": inside,
             "pixels": occupied,
-        });
-        files.report(Some(analysis::with_machine(object, &experiment)));
-        return Ok(());
-    }
-    print_line!(
-        "{} states in {}, {inside} of them in the frame, on {occupied} pixels",
-        points.len(),
-        report::duration(started.elapsed())
-    );
-    if inside == 0 {
+        })
+    };
+    files.tell(&experiment, object, || {
         print_line!(
-            "no state lies in the window: all lie within --window {:.4}:{:.4},{:.4}:{:.4}",
-            whole.x.low,
-            whole.x.high,
-            whole.y.low,
-            whole.y.high
+            "{} states in {}, {inside} of them in the frame, on {occupied} pixels",
+            points.len(),
+            report::duration(started.elapsed())
         );
-    }
-    if is_cycle {
-        print_line!("all states lie on so few pixels that they are those of a cycle, not of a chaotic attractor");
-    }
-    files.report(None);
+        if inside == 0 {
+            print_line!(
+                "no state lies in the window: all lie within --window {:.4}:{:.4},{:.4}:{:.4}",
+                whole.x.low,
+                whole.x.high,
+                whole.y.low,
+                whole.y.high
+            );
+        }
+        if is_cycle {
+            print_line!("all states lie on so few pixels that they are those of a cycle, not of a chaotic attractor");
+        }
+    });
     Ok(())
 }

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::dynamics::spectrum::{Spectrum, lyapunov_spectrum};
 use tribochaos::engine::{Backends, choice};
-use tribochaos::experiment::{BackendChoice, Experiment, Precision, Request, Scheme, Settings};
+use tribochaos::experiment::{Experiment, Integration, Precision, Scheme, Settings};
 use tribochaos::measure::{Measurement, Status, is_scheme_to_blame};
 use tribochaos::parameters::Parameter;
 
@@ -14,11 +14,13 @@ use super::lifetime::LifetimeArgs;
 use super::request::{self, ExperimentArgs};
 use super::{Failure, analysis, progress, report, si};
 
+/// The name of the command in files.
+const COMMAND: &str = "point";
+
 /// One point is integrated on the CPU unless a GPU is asked for, since it would not fill one.
 #[derive(Args)]
 #[command(after_long_help = request::help())]
-#[command(mut_arg("out", |arg| arg.requires("lifetime").help(OUT_HELP)))]
-#[command(mut_arg("force", |arg| arg.requires("lifetime")))]
+#[command(mut_arg("out", |arg| arg.help(OUT_HELP)))]
 pub struct PointArgs {
     #[command(flatten)]
     experiment: ExperimentArgs,
@@ -36,18 +38,23 @@ const OUT_HELP: &str =
     "What the names of the drawing and the table of --lifetime begin with [default: outputs/lifetime]";
 
 pub fn run(args: &PointArgs) -> Result<(), Failure> {
-    let mut request = Request::default();
-    args.experiment.apply(&mut request)?;
-    // the more exact exponent is worth the time of one point
-    request.settings.decide_early = false;
-    if request.settings.backend == BackendChoice::Auto {
-        request.settings.backend = BackendChoice::Cpu;
-    }
+    let request = args.experiment.request(Some(COMMAND), &analysis::defaults(), [])?;
+    let options = request::options(&args.lifetime, &request)?;
     let experiment = request.resolve_point().map_err(Failure::input)?;
     for warning in experiment.warnings() {
         eprintln!("warning: {warning}");
     }
-    let plan = args.lifetime.plan(&experiment, &args.out)?;
+    let written = request::written(COMMAND, &experiment, &options);
+    if args.experiment.subject.print_experiment {
+        print_text!("{}", written.to_toml());
+        return Ok(());
+    }
+    if options.lifetime.is_none() && (args.out.out.is_some() || args.out.force) {
+        return Err(Failure::Input(anyhow::anyhow!(
+            "only --lifetime writes files: leave --out and --force out"
+        )));
+    }
+    let plan = options.plan(&experiment, &written, &args.out)?;
     let mut backends = choice::choose(&experiment).map_err(Failure::backend)?.backends;
     progress::catch_signals();
     let measured = backends
@@ -75,22 +82,17 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
     let lifetime = plan
         .map(|plan| plan.carry_out(&experiment, &mut backends))
         .transpose()?;
-    if args.out.json.wanted() {
-        let warnings = experiment.warnings().into_iter().chain(beyond);
-        let object = object(&experiment, m, spectrum.as_ref(), warnings.collect());
-        match lifetime {
-            Some(lifetime) => lifetime.report_object(object, &experiment),
-            None => args.out.json.print(&object),
-        }
-        return Ok(());
-    }
     let by_default = match m.status {
-        Status::UnderResolved => by_default(&experiment)?,
-        Status::Ok | Status::Runaway { .. } => None,
+        Status::UnderResolved if !args.out.json.wanted() => by_default(&experiment)?,
+        _ => None,
     };
-    print(&experiment, m, by_default.as_ref(), spectrum.as_ref());
-    if let Some(lifetime) = lifetime {
-        lifetime.report(&experiment);
+    let warnings = experiment.warnings().into_iter().chain(beyond).collect();
+    let object = object(&experiment, m, spectrum.as_ref(), warnings);
+    let print = || print(&experiment, m, by_default.as_ref(), spectrum.as_ref());
+    match lifetime {
+        Some(lifetime) => lifetime.tell(&experiment, object, print),
+        None if args.out.json.wanted() => args.out.json.print(&analysis::with_machine(object, &experiment)),
+        None => print(),
     }
     Ok(())
 }
@@ -132,7 +134,7 @@ fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<&Spectrum>,
     if let Status::Runaway { time } = m.status {
         object["runaway_time"] = time.into();
     }
-    if experiment.settings.initial_states > 1 {
+    if experiment.settings.sampling.initial_states > 1 {
         object["chaotic_fraction"] = m.chaotic_fraction.into();
         object["attractors"] = m.attractors.into();
         object["unsettled_fraction"] = m.unsettled_fraction.into();
@@ -142,19 +144,20 @@ fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<&Spectrum>,
         object["si"] = si::measurement(at, m);
         object["warnings"] = warnings.into();
     }
-    analysis::with_machine(object, experiment)
+    object
 }
 
 /// Measures the point by the default scheme, where another one does not resolve it.
 fn by_default(experiment: &Experiment) -> Result<Option<Measurement>, Failure> {
-    if experiment.settings.scheme() == Scheme::Taylor || experiment.design.point(0).is_rubbed() {
+    if experiment.settings.integration.scheme == Scheme::Taylor || experiment.design.point(0).is_rubbed() {
         return Ok(None);
     }
     let settings = Settings {
-        scheme: None,
-        steps_per_period: None,
-        precision: Some(Precision::F64),
-        ..experiment.settings.clone()
+        integration: Integration {
+            precision: Some(Precision::F64),
+            ..Scheme::Taylor.into()
+        },
+        ..experiment.settings
     };
     let mut backends = Backends::new(Box::new(CpuBackend::new(Precision::F64)), None);
     let measured = backends.measure(&experiment.design, &settings, &[0], &mut |_| progress::until_stopped());
@@ -228,8 +231,8 @@ fn print(experiment: &Experiment, m: &Measurement, by_default: Option<&Measureme
         print_line!(
             "by Gram-Schmidt     {}  (the paper's procedure, in its own run: {} periods after {})",
             exponents.join(", "),
-            settings.periods,
-            settings.transient_periods
+            settings.sampling.periods,
+            settings.sampling.transient_periods
         );
     }
     print_line!(
@@ -239,14 +242,14 @@ fn print(experiment: &Experiment, m: &Measurement, by_default: Option<&Measureme
     );
     print_line!("x, y                {:.9} {:.9}  (last stroboscopic state)", m.x, m.y);
     print_line!("extremes of x       {:.6} {:.6}", m.x_min, m.x_max);
-    if settings.scheme().carries_heat() {
+    if settings.integration.scheme.carries_heat() {
         si::print_contact(at, &m.contact, "held to the end of the run");
     }
-    if settings.initial_states > 1 {
+    if settings.sampling.initial_states > 1 {
         print_line!(
             "chaotic fraction    {} of {} initial states",
             m.chaotic_fraction,
-            settings.initial_states
+            settings.sampling.initial_states
         );
         print_line!("attractors          {}", m.attractors);
         print_line!(

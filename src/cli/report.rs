@@ -37,18 +37,21 @@ pub fn plan(experiment: &Experiment) -> String {
         plan,
         ": {} points{}, {} of {} {} steps{}",
         experiment.design.len(),
-        if settings.initial_states > 1 {
-            format!(" x {} initial states", settings.initial_states)
+        if settings.sampling.initial_states > 1 {
+            format!(" x {} initial states", settings.sampling.initial_states)
         } else {
             String::new()
         },
         if experiment.wears() {
-            format!("{} periods from the start", settings.periods)
+            format!("{} periods from the start", settings.sampling.periods)
         } else {
-            format!("{} + {} periods", settings.transient_periods, settings.periods)
+            format!(
+                "{} + {} periods",
+                settings.sampling.transient_periods, settings.sampling.periods
+            )
         },
-        settings.steps_per_period(),
-        settings.scheme().name(),
+        settings.integration.steps_per_period,
+        settings.integration.scheme.name(),
         if experiment.decides_early() {
             ", unless decided early"
         } else {
@@ -64,7 +67,7 @@ pub fn device(choice: &Choice) -> String {
 
 /// Why points are under-resolved by a scheme, and what may resolve them.
 pub fn remedy(settings: &Settings) -> &'static str {
-    match settings.scheme() {
+    match settings.integration.scheme {
         Scheme::Taylor => {
             "neither taylor nor radau in f64, to which taylor leaves what is too stiff for it, could follow the motion; no \
              setting is known that does"
@@ -81,7 +84,7 @@ pub fn remedy(settings: &Settings) -> &'static str {
 
 /// Where the scheme's share in the errors comes from, or what makes it smaller.
 pub fn finer(settings: &Settings) -> &'static str {
-    match settings.scheme() {
+    match settings.integration.scheme {
         Scheme::Taylor => "it is what the sum of the exponents misses of the divergence, and rounding",
         Scheme::Radau => "a smaller --tolerance makes it smaller",
         Scheme::Rk4 => "more --steps-per-period make it smaller, and the default scheme has hardly any",
@@ -209,7 +212,7 @@ pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[St
         .filter(|(index, _)| !map.is_under_resolved(*index))
         .map(|(_, ((first, second), divergence))| (first + second - divergence).abs())
         .fold(0.0, f64::max);
-    if !settings.scheme().carries_heat() {
+    if !settings.integration.scheme.carries_heat() {
         let _ = writeln!(
             text,
             "check:  sum of the exponents = mean divergence to {defect:.1e} at every resolved point"

@@ -7,21 +7,23 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use serde::Deserialize;
-use serde::de::IntoDeserializer;
 use serde::de::value::{Error as ValueError, StrDeserializer};
+use serde::de::{DeserializeOwned, IntoDeserializer};
+use serde::{Deserialize, Serialize};
 use tribochaos::design::{Axis, Coordinate};
 use tribochaos::dynamics::stroboscope::LEAST_WINDOW;
-use tribochaos::experiment::{BackendChoice, InitialBox, Precision, Preset, Request, Scheme, Settings};
+use tribochaos::experiment::{
+    BackendChoice, Device, Experiment, InitialBox, Integration, Precision, Preset, Request, Sampling, Scheme,
+};
 use tribochaos::machine::{Description, governing};
 use tribochaos::measure::{CHAOTIC_GROWTH, DEFECT_BOUND, DEFECT_FLOOR, QUASI_PERIODIC_BOUND, QUASI_PERIODIC_ERROR};
 use tribochaos::model::motion::RUNAWAY_BOUND;
 use tribochaos::parameters::{PARAMETERS, Parameter};
 
-use super::Failure;
+use super::{Failure, from};
 
 /// What is computed: parameters, and the machine that gives most of them.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub struct SubjectArgs {
     /// Value of a parameter, or of a quantity of the machine, that is no axis; may be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
@@ -30,9 +32,55 @@ pub struct SubjectArgs {
     /// quantities can be set and be axes, and results are told in SI units as well
     #[arg(long, value_name = "FILE.TOML")]
     pub machine: Option<PathBuf>,
+    /// Take the experiment from a file: TOML, as --print-experiment writes it, or a picture, a drawing, a table or a store of
+    /// this program; options override it. Of another command's file, its own options are left aside
+    #[arg(long, value_name = "FILE|STORE.zarr")]
+    pub from: Option<PathBuf>,
+    /// Print the resolved experiment as TOML, and stop
+    #[arg(long)]
+    pub print_experiment: bool,
 }
 
 impl SubjectArgs {
+    /// What a command, None for a map, begins with: the file of --from, over the command's own defaults. Of another command's file the options are
+    /// left aside, and the lengths of runs where the command has its own.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or holds no experiment.
+    pub fn base(&self, command: Option<&str>, defaults: &Request) -> Result<Request, Failure> {
+        let Some(path) = &self.from else {
+            return Ok(defaults.clone());
+        };
+        let mut request = from::read(path, defaults.sampling).map_err(Failure::Input)?;
+        if request.device == Device::default() {
+            request.device = defaults.device.clone();
+        }
+        if request.command.as_deref() == command {
+            return Ok(request);
+        }
+        request.command = None;
+        request.options.clear();
+        let lengths = |sampling: Sampling| {
+            let Sampling {
+                transient_periods,
+                align_periods,
+                periods,
+                ..
+            } = sampling;
+            [transient_periods, align_periods, periods]
+        };
+        let own = &defaults.sampling;
+        if lengths(*own) != lengths(Sampling::default()) {
+            [
+                request.sampling.transient_periods,
+                request.sampling.align_periods,
+                request.sampling.periods,
+            ] = lengths(*own);
+        }
+        request.sampling.decide_early = own.decide_early;
+        Ok(request)
+    }
+
     /// Puts what was typed over `request`.
     ///
     /// # Errors
@@ -53,7 +101,7 @@ impl SubjectArgs {
 
 /// Numerical settings and fixed parameters; what is left out keeps the file's value, or the default, which
 /// [`tell_defaults`] puts into the help.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub struct ExperimentArgs {
     #[command(flatten)]
     pub subject: SubjectArgs,
@@ -114,6 +162,39 @@ pub struct ExperimentArgs {
 }
 
 impl ExperimentArgs {
+    /// What is asked of a command, None for a map: its own defaults, under the file of --from, under what was typed. Of its `axes` the typed ones count
+    /// first, then those of the file if it has as many, then its own.
+    ///
+    /// # Errors
+    /// If a file cannot be read, or is not what it should be.
+    pub fn request<const N: usize>(
+        &self,
+        command: Option<&str>,
+        defaults: &Request,
+        axes: [AskedAxis<'_>; N],
+    ) -> Result<Request, Failure> {
+        let mut request = self.subject.base(command, defaults)?;
+        let of_file = request.axes.take().filter(|axes| axes.len() == N);
+        let mut chosen = Vec::with_capacity(N);
+        for (index, asked) in axes.into_iter().enumerate() {
+            let axis = match (asked.typed, &of_file) {
+                (None, Some(of_file)) => of_file[index].clone(),
+                (typed, _) => {
+                    let axis = typed.cloned().unwrap_or_else(asked.default);
+                    // a parameter that becomes an axis loses the value it had in the file, unless it is set here as well
+                    request.set.remove(axis.coordinate.name());
+                    axis
+                }
+            };
+            chosen.push(axis);
+        }
+        self.apply(&mut request)?;
+        let coordinates: Vec<Coordinate> = chosen.iter().map(|axis| axis.coordinate).collect();
+        self.leave_free(&coordinates, &mut request);
+        request.axes = Some(chosen);
+        Ok(request)
+    }
+
     /// Puts what was typed over `request`.
     ///
     /// # Errors
@@ -123,31 +204,65 @@ impl ExperimentArgs {
             request.set_preset(preset);
         }
         self.subject.apply(request)?;
-        let settings = &mut request.settings;
-        macro_rules! apply {
-            ($($field:ident)*) => { $(if let Some(value) = self.$field { settings.$field = value; })* };
-        }
-        apply!(tolerance transient_periods align_periods periods renormalise_every period_tolerance max_period
-               initial_states initial_box seed backend);
-        if self.align_periods.is_none() {
-            settings.align_periods = settings.align_periods.min(settings.transient_periods);
-        }
-        if self.scheme.is_some() && self.scheme != settings.scheme {
+        let Request {
+            integration,
+            sampling,
+            device,
+            ..
+        } = request;
+        if self.scheme.is_some() && self.scheme != integration.scheme {
             // a file's number of steps belongs to its scheme
-            settings.steps_per_period = None;
+            integration.steps_per_period = None;
         }
-        settings.scheme = self.scheme.or(settings.scheme);
-        settings.steps_per_period = self.steps_per_period.or(settings.steps_per_period);
-        settings.modes = self.modes.or(settings.modes);
-        settings.precision = self.precision.or(settings.precision);
-        settings.adapter = self.adapter.clone().or(settings.adapter.take());
+        macro_rules! apply {
+            ($($field:ident)*) => { $(if let Some(value) = self.$field { sampling.$field = value; })* };
+        }
+        macro_rules! apply_optional {
+            ($($field:ident)*) => { $(integration.$field = self.$field.or(integration.$field);)* };
+        }
+        apply!(transient_periods align_periods periods period_tolerance max_period initial_states initial_box seed);
+        apply_optional!(scheme steps_per_period modes tolerance renormalise_every precision);
+        if self.align_periods.is_none() {
+            sampling.align_periods = sampling.align_periods.min(sampling.transient_periods);
+        }
+        device.backend = self.backend.unwrap_or(device.backend);
+        device.adapter = self.adapter.clone().or(device.adapter.take());
         Ok(())
+    }
+}
+
+/// An axis of a command.
+pub struct AskedAxis<'a> {
+    pub typed: Option<&'a Axis>,
+    pub default: fn() -> Axis,
+}
+
+/// A command's options: what was typed, over what its file has.
+///
+/// # Errors
+/// If the file has others.
+pub fn options<O: Serialize + DeserializeOwned>(typed: &O, request: &Request) -> Result<O, Failure> {
+    let mut table = request.options.clone();
+    table.extend(toml::Table::try_from(typed).map_err(Failure::input)?);
+    let read: Result<O, toml::de::Error> = table.try_into();
+    read.context("the options of the file").map_err(Failure::Input)
+}
+
+/// The resolved experiment of a command with all its options, as it is written into files and printed.
+///
+/// # Panics
+/// If an option has no TOML form.
+pub fn written(command: &str, experiment: &Experiment, options: &impl Serialize) -> Request {
+    Request {
+        command: Some(command.to_owned()),
+        options: toml::Table::try_from(options).expect("options have a TOML form"),
+        ..experiment.request()
     }
 }
 
 impl ExperimentArgs {
     /// Takes the preset's values of parameters that are axes out of `request` again; those of --set stay, to be refused.
-    pub fn leave_free(&self, axes: &[Coordinate], request: &mut Request) {
+    fn leave_free(&self, axes: &[Coordinate], request: &mut Request) {
         if self.preset.is_some() {
             for axis in axes {
                 if self.subject.set.iter().all(|(coordinate, _)| coordinate != axis) {
@@ -158,35 +273,42 @@ impl ExperimentArgs {
     }
 }
 
-/// The help of a command with the defaults of its [`ExperimentArgs`] as `settings` have them, and without the options that
+/// The help of a command with the defaults of its [`ExperimentArgs`] as `defaults` has them, and without the options that
 /// it refuses or that mean nothing to it.
-pub fn tell_defaults(command: clap::Command, settings: &Settings, hidden: &[&'static str]) -> clap::Command {
-    let scheme = settings
+pub fn tell_defaults(command: clap::Command, defaults: &Request, hidden: &[&'static str]) -> clap::Command {
+    let Request {
+        integration,
+        sampling,
+        device,
+        ..
+    } = defaults;
+    let usual = Integration::default();
+    let scheme = integration
         .scheme
         .map_or("radau where gamma or k_w is not 0, else taylor", Scheme::name);
     let steps = Scheme::ALL.map(|scheme| format!("{} of {}", scheme.default_steps_per_period(), scheme.name()));
-    let InitialBox { x, y } = settings.initial_box;
+    let InitialBox { x, y } = sampling.initial_box;
     let defaults = [
         ("scheme", scheme.to_owned()),
         ("steps_per_period", steps.join(", ")),
         (
             "modes",
-            format!("{}, and more where heat is conducted slowly", settings.modes()),
+            format!("{}, and more where heat is conducted slowly", usual.modes),
         ),
-        ("tolerance", format!("{:e}", settings.tolerance)),
-        ("transient_periods", settings.transient_periods.to_string()),
+        ("tolerance", format!("{:e}", usual.tolerance)),
+        ("transient_periods", sampling.transient_periods.to_string()),
         (
             "align_periods",
-            format!("{}, or the whole of a shorter transient", settings.align_periods),
+            format!("{}, or the whole of a shorter transient", sampling.align_periods),
         ),
-        ("periods", settings.periods.to_string()),
-        ("renormalise_every", settings.renormalise_every.to_string()),
-        ("period_tolerance", format!("{:e}", settings.period_tolerance)),
-        ("max_period", settings.max_period.to_string()),
-        ("initial_states", settings.initial_states.to_string()),
+        ("periods", sampling.periods.to_string()),
+        ("renormalise_every", usual.renormalise_every.to_string()),
+        ("period_tolerance", format!("{:e}", sampling.period_tolerance)),
+        ("max_period", sampling.max_period.to_string()),
+        ("initial_states", sampling.initial_states.to_string()),
         ("initial_box", format!("{}:{},{}:{}", x[0], x[1], y[0], y[1])),
-        ("seed", settings.seed.to_string()),
-        ("backend", settings.backend.name().to_owned()),
+        ("seed", sampling.seed.to_string()),
+        ("backend", device.backend.name().to_owned()),
         ("precision", "f64 on the CPU; a GPU has only f32".to_owned()),
     ];
     let told = defaults.into_iter().fold(command, |command, (option, default)| {
@@ -202,12 +324,6 @@ pub fn tell_defaults(command: clap::Command, settings: &Settings, hidden: &[&'st
 
 fn preset(text: &str) -> Result<Preset, String> {
     Preset::from_name(text).ok_or_else(|| format!("there is no preset `{text}`: the one there is, is `paper`"))
-}
-
-/// Reads a request file.
-pub fn read(path: &Path) -> anyhow::Result<Request> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    Request::from_toml(&text).with_context(|| format!("in {}", path.display()))
 }
 
 /// Reads a machine's file.
@@ -226,6 +342,18 @@ pub fn range(text: &str) -> Result<[f64; 2], String> {
     let (low, high) = text.split_once(':').ok_or_else(malformed)?;
     let number = |text: &str| text.trim().parse().map_err(|_| malformed());
     Ok([number(low)?, number(high)?])
+}
+
+/// The ends of a drawn axis, LOW:HIGH, the lower one first.
+pub fn limits(text: &str) -> Result<[f64; 2], String> {
+    let [low, high] = range(text)?;
+    if low < high && low.is_finite() && high.is_finite() {
+        Ok([low, high])
+    } else {
+        Err(format!(
+            "the limits {low}:{high} are no range: give the lower one first"
+        ))
+    }
 }
 
 pub fn initial_box(text: &str) -> Result<InitialBox, String> {

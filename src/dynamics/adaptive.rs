@@ -18,7 +18,7 @@ use std::f64::consts::{PI, TAU};
 pub use self::kept::Peaks;
 pub use self::orbit::{Orbit, Scratch};
 pub use self::tangent::Tangent;
-use crate::experiment::Settings;
+use crate::experiment::Integration;
 use crate::lanes::Real;
 use crate::model::rubbing::{HeatModes, Rubbing};
 use crate::parameters::Parameter;
@@ -55,14 +55,14 @@ pub struct Control<R> {
 }
 
 impl<R: Real> Control<R> {
-    pub fn new(settings: &Settings) -> Self {
+    pub fn new(integration: &Integration) -> Self {
         Self {
-            tolerance: R::splat(settings.tolerance),
-            newton: R::splat((0.01 * settings.tolerance).sqrt()),
-            reach: R::splat((0.1 * settings.tolerance).sqrt().max(LEAST_REACH)),
-            longest: R::splat(1.0 / f64::from(settings.steps_per_period())),
+            tolerance: R::splat(integration.tolerance),
+            newton: R::splat((0.01 * integration.tolerance).sqrt()),
+            reach: R::splat((0.1 * integration.tolerance).sqrt().max(LEAST_REACH)),
+            longest: R::splat(1.0 / f64::from(integration.steps_per_period)),
             // the scheme is of order 5
-            swing: R::splat(SWING * (settings.tolerance / USUAL_TOLERANCE).powf(0.2)),
+            swing: R::splat(SWING * (integration.tolerance / USUAL_TOLERANCE).powf(0.2)),
         }
     }
 }

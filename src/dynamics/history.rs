@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use super::adaptive::{Control, Orbit, Peaks, System};
 use super::radau::ModeStep;
-use crate::experiment::Settings;
+use crate::experiment::Integration;
 use crate::model::motion::RUNAWAY_BOUND;
 use crate::model::rubbing::HeatModes;
 use crate::model::thermal_modes::ThermalModes;
@@ -55,12 +55,12 @@ pub struct History {
 ///
 /// # Panics
 /// If `samples` is 0.
-pub fn history(parameters: &ParameterSet, settings: &Settings, shown: Range<u32>, samples: u32) -> History {
+pub fn history(parameters: &ParameterSet, integration: &Integration, shown: Range<u32>, samples: u32) -> History {
     assert!(samples > 0, "samples in a period");
-    let spectrum = ThermalModes::new(parameters[Parameter::Biot], settings.modes() as usize);
+    let spectrum = ThermalModes::new(parameters[Parameter::Biot], integration.modes as usize);
     let modes = HeatModes::new(parameters, &spectrum);
     let system = System::<f64>::new(|parameter| parameters[parameter], |_| &modes);
-    let control = Control::new(settings);
+    let control = Control::new(integration);
     let mut orbit = Orbit::start(&system, parameters[Parameter::X0], parameters[Parameter::Y0]);
     let mut peaks = Peaks::start(&orbit);
     let mut scratch = vec![ModeStep::empty(); modes.rates.len()];

@@ -26,14 +26,14 @@ pub fn lyapunov_spectrum(parameters: &ParameterSet, settings: &Settings) -> Opti
     let orbit = Orbit::new(parameters, settings);
     let mut state = Vector3::new(parameters[Parameter::X0], parameters[Parameter::Y0], 0.0);
     let mut basis = Matrix3::identity();
-    for _ in 0..settings.transient_periods - settings.align_periods {
+    for _ in 0..settings.sampling.transient_periods - settings.sampling.align_periods {
         orbit.period(&mut state, &mut Matrix3::zeros());
     }
-    for _ in 0..settings.align_periods {
+    for _ in 0..settings.sampling.align_periods {
         orbit.period(&mut state, &mut basis);
     }
     // length in periods, and growth of each vector
-    let batches: Vec<(f64, Vector3<f64>)> = statistics::batches(settings.periods)
+    let batches: Vec<(f64, Vector3<f64>)> = statistics::batches(settings.sampling.periods)
         .into_iter()
         .map(|batch| {
             let length = batch.len() as f64;
@@ -43,7 +43,7 @@ pub fn lyapunov_spectrum(parameters: &ParameterSet, settings: &Settings) -> Opti
         .collect();
     let period_time = TAU / parameters[Parameter::Omega0];
     let growth: Vector3<f64> = batches.iter().map(|(_, growth)| growth).sum();
-    let exponents = growth / (f64::from(settings.periods) * period_time);
+    let exponents = growth / (f64::from(settings.sampling.periods) * period_time);
     let error = |n: usize| {
         let of_vector: Vec<_> = batches.iter().map(|(length, growth)| (*length, growth[n])).collect();
         statistics::standard_error(&of_vector) / period_time
@@ -70,11 +70,11 @@ impl Orbit {
         Self {
             motion: Motion::new(|parameter| parameters[parameter]),
             omega_0: parameters[Parameter::Omega0],
-            steps: match settings.scheme() {
-                Scheme::Rk4 => settings.steps_per_period(),
+            steps: match settings.integration.scheme {
+                Scheme::Rk4 => settings.integration.steps_per_period,
                 Scheme::Taylor | Scheme::Radau => FINE_STEPS,
             },
-            renormalise_every: settings.renormalise_every,
+            renormalise_every: settings.integration.renormalise_every,
         }
     }
 

@@ -38,7 +38,7 @@ impl Backends {
 
     /// Points in a batch such that the backend in use is filled by one.
     pub fn points_per_batch(&self, settings: &Settings) -> usize {
-        (self.active.batch_size(settings) / settings.initial_states as usize).max(1)
+        (self.active.batch_size(settings) / settings.sampling.initial_states as usize).max(1)
     }
 
     /// Points in a unit: a batch, but no more than an eighth of a large experiment, since what is not a finished unit is lost when
@@ -59,7 +59,7 @@ impl Backends {
         indices: &[usize],
         observer: &mut Observer<'_>,
     ) -> Result<Option<Vec<Measurement>>, BackendError> {
-        let states = initial_states::offsets(settings);
+        let states = initial_states::offsets(&settings.sampling);
         let mut measurements = Vec::with_capacity(indices.len());
         while measurements.len() < indices.len() {
             let points = self.points_per_batch(settings).min(indices.len() - measurements.len());
@@ -72,8 +72,8 @@ impl Backends {
                 Ok(None) => return Ok(None),
                 Ok(Some(batch)) => measurements.extend(
                     batch
-                        .chunks(settings.initial_states as usize)
-                        .map(|chunk| initial_states::combine(chunk, settings.period_tolerance)),
+                        .chunks(settings.sampling.initial_states as usize)
+                        .map(|chunk| initial_states::combine(chunk, settings.sampling.period_tolerance)),
                 ),
                 Err(error) => {
                     self.active = self.fallback.take().ok_or_else(|| error.clone())?;

@@ -13,29 +13,30 @@ pub struct Choice {
     pub reason: String,
 }
 
-/// Chooses by the experiment's settings. With `auto`, a hardware GPU if there is one that can carry the experiment,
+/// Chooses by the experiment's device and number type. With `auto`, a hardware GPU if there is one that can carry the experiment,
 /// with the CPU to fall back on; else the CPU; never a software adapter.
 ///
 /// # Errors
 /// With `gpu`, if there is no suitable adapter; with `auto`, if none has the name asked for.
 pub fn choose(experiment: &Experiment) -> Result<Choice, BackendError> {
-    let settings = &experiment.settings;
-    let cpu = || Box::new(CpuBackend::new(settings.precision.unwrap_or(Precision::F64)));
+    let (precision, device) = (experiment.settings.integration.precision, &experiment.device);
+    let adapter = device.adapter.as_deref();
+    let cpu = || Box::new(CpuBackend::new(precision.unwrap_or(Precision::F64)));
     let on_cpu = |reason: String| Choice {
         backends: Backends::new(cpu(), None),
         reason,
     };
-    match settings.backend {
+    match device.backend {
         BackendChoice::Cpu => Ok(on_cpu("the CPU was asked for".into())),
-        BackendChoice::Gpu => gpu::asked_for(settings.adapter.as_deref()),
+        BackendChoice::Gpu => gpu::asked_for(adapter),
         BackendChoice::Auto => {
-            if settings.precision == Some(Precision::F64) {
+            if precision == Some(Precision::F64) {
                 return Ok(on_cpu("f64 was asked for, which only the CPU has".into()));
             }
             if let Err(error) = experiment.check_f32() {
                 return Ok(on_cpu(error.to_string()));
             }
-            let found = gpu::if_there(settings.adapter.as_deref(), cpu())?;
+            let found = gpu::if_there(adapter, cpu())?;
             Ok(found.unwrap_or_else(on_cpu))
         }
     }

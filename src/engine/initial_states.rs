@@ -5,19 +5,19 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use crate::experiment::Settings;
+use crate::experiment::{Sampling, Settings};
 use crate::measure::{Class, Measurement, Status};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// The initial states besides (x0, y0): uniform in the box, the same for every point, reproducible from the seed.
-pub fn offsets(settings: &Settings) -> Vec<[f64; 2]> {
-    let mut generator = ChaCha8Rng::seed_from_u64(settings.seed.into());
+pub fn offsets(sampling: &Sampling) -> Vec<[f64; 2]> {
+    let mut generator = ChaCha8Rng::seed_from_u64(sampling.seed.into());
     let mut uniform = |[low, high]: [f64; 2]| {
         let unit = (generator.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
         low + (high - low) * unit
     };
-    (1..settings.initial_states)
-        .map(|_| [uniform(settings.initial_box.x), uniform(settings.initial_box.y)])
+    (1..sampling.initial_states)
+        .map(|_| [uniform(sampling.initial_box.x), uniform(sampling.initial_box.y)])
         .collect()
 }
 
@@ -47,7 +47,9 @@ pub fn unsettled(
         Some(Class::Chaotic | Class::Unstable) | None => false,
     };
     (0..instances.len())
-        .filter(|&index| settings.initial_states > 1 && !instances[index].is_rubbed() && goes_on(&measured[index]))
+        .filter(|&index| {
+            settings.sampling.initial_states > 1 && !instances[index].is_rubbed() && goes_on(&measured[index])
+        })
         .map(|index| {
             let Measurement { x, y, .. } = measured[index];
             (index, instances[index].with(Parameter::X0, x).with(Parameter::Y0, y))
@@ -57,10 +59,16 @@ pub fn unsettled(
 
 /// The settings by which those are carried on.
 pub fn carried_on(settings: &Settings) -> Settings {
-    let length = settings.transient_periods.saturating_add(settings.periods);
+    let length = settings
+        .sampling
+        .transient_periods
+        .saturating_add(settings.sampling.periods);
     Settings {
-        transient_periods: length.saturating_mul(LONGER - 1).max(settings.align_periods),
-        ..settings.clone()
+        sampling: Sampling {
+            transient_periods: length.saturating_mul(LONGER - 1).max(settings.sampling.align_periods),
+            ..settings.sampling
+        },
+        ..*settings
     }
 }
 
@@ -156,14 +164,14 @@ mod tests {
 
     #[test]
     fn states_are_reproducible_inside_the_box_and_differ_by_seed() {
-        let settings = Settings {
+        let sampling = Sampling {
             initial_states: 50,
-            ..Settings::default()
+            ..Sampling::default()
         };
-        let states = offsets(&settings);
+        let states = offsets(&sampling);
         assert_eq!(states.len(), 49);
-        assert_eq!(states, offsets(&settings));
+        assert_eq!(states, offsets(&sampling));
         assert!(states.iter().flatten().all(|value| (-2.0..2.0).contains(value)));
-        assert_ne!(states, offsets(&Settings { seed: 2, ..settings }));
+        assert_ne!(states, offsets(&Sampling { seed: 2, ..sampling }));
     }
 }

@@ -146,6 +146,6 @@ pub enum Cause {
 /// Instance-periods of `points` points: the work of a run.
 pub fn instance_periods(settings: &Settings, points: usize) -> u64 {
     points as u64
-        * u64::from(settings.initial_states)
-        * (u64::from(settings.transient_periods) + u64::from(settings.periods))
+        * u64::from(settings.sampling.initial_states)
+        * (u64::from(settings.sampling.transient_periods) + u64::from(settings.sampling.periods))
 }

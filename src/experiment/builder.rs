@@ -1,6 +1,6 @@
 //! Experiments made step by step, by programs.
 
-use super::{Experiment, ExperimentError, Preset, Request, Settings};
+use super::{Device, Experiment, ExperimentError, IntegrationRequest, Preset, Request, Sampling};
 use crate::design::{Axis, Coordinate, Points};
 use crate::machine::Description;
 
@@ -58,10 +58,24 @@ impl Builder {
         self
     }
 
-    /// Sets how the points are integrated and measured.
+    /// Sets how the points are integrated.
     #[must_use]
-    pub fn settings(mut self, settings: Settings) -> Self {
-        self.request.settings = settings;
+    pub fn integration(mut self, integration: impl Into<IntegrationRequest>) -> Self {
+        self.request.integration = integration.into();
+        self
+    }
+
+    /// Sets what is sampled of them.
+    #[must_use]
+    pub fn sampling(mut self, sampling: Sampling) -> Self {
+        self.request.sampling = sampling;
+        self
+    }
+
+    /// Sets on what they run.
+    #[must_use]
+    pub fn device(mut self, device: Device) -> Self {
+        self.request.device = device;
         self
     }
 

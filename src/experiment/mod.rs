@@ -3,15 +3,21 @@
 //! Owns the numerical settings with their defaults and limits; opens no file and computes nothing.
 
 mod builder;
+mod device;
+mod integration;
 mod preset;
 mod request;
+mod sampling;
 mod settings;
 mod warnings;
 
 pub use builder::Builder;
+pub use device::{BackendChoice, Checking, Device};
+pub use integration::{Integration, IntegrationRequest, MAX_MODES, Precision, Scheme};
 pub use preset::Preset;
 pub use request::Request;
-pub use settings::{BackendChoice, InitialBox, MAX_MODES, Precision, Scheme, Settings};
+pub use sampling::{InitialBox, Sampling};
+pub use settings::Settings;
 
 use crate::design::{AxisError, Coordinate, Design, DesignError, Extents, Varied};
 use crate::machine::{Description, MachineError, SiQuantity};
@@ -23,10 +29,17 @@ use crate::parameters::{PARAMETERS, Parameter, ParameterError};
 pub struct Experiment {
     pub design: Design,
     pub settings: Settings,
+    pub device: Device,
+    pub checking: Checking,
     extents: Extents,
 }
 
 impl Experiment {
+    /// Whether another experiment has the same results, up to rounding: on what they run and how they are checked does not matter.
+    pub fn has_results_of(&self, other: &Self) -> bool {
+        self.design == other.design && self.settings == other.settings
+    }
+
     /// The parameters that no axis changes, in the table's order.
     pub fn fixed_parameters(&self) -> impl Iterator<Item = (Parameter, f64)> + '_ {
         PARAMETERS
@@ -68,7 +81,7 @@ impl Experiment {
 
     /// Whether points are looked at before their full length: their contact pressure must be constant.
     pub fn decides_early(&self) -> bool {
-        self.settings.decide_early && !self.is_rubbed()
+        self.settings.sampling.decide_early && !self.is_rubbed()
     }
 
     /// Whether the contact wears anywhere in the design.
@@ -106,15 +119,17 @@ impl Experiment {
         Ok(())
     }
 
-    /// The experiment as TOML; [`Request::from_toml`] reads it back.
-    pub fn to_toml(&self) -> String {
+    /// The request for this very experiment, with every value written out, so that later defaults change nothing.
+    pub fn request(&self) -> Request {
         let (axes, points) = match &self.design.varied {
             Varied::Axes(axes) => (Some(axes.clone()), None),
             Varied::Points(points) => (None, Some(points.clone())),
         };
         let fixed = &self.design.fixed;
-        let request = Request {
+        Request {
             out: None,
+            command: None,
+            options: toml::Table::new(),
             axes,
             points,
             machine: self.machine_description(),
@@ -123,9 +138,27 @@ impl Experiment {
                 .filter(|(parameter, _)| fixed.governing(*parameter).is_none())
                 .map(|(parameter, value)| (parameter.name().to_owned(), value))
                 .collect(),
-            settings: self.settings.clone(),
-        };
-        toml::to_string(&request).expect("a request has a TOML form")
+            integration: self.settings.integration.into(),
+            sampling: self.settings.sampling,
+            device: self.device.clone(),
+            checking: self.checking,
+        }
+    }
+
+    /// What identifies the experiment's results, as TOML, which [`Request::from_toml`] reads back: the request without the device and
+    /// the checks. Experiments with the same results have the same text.
+    pub fn to_toml(&self) -> String {
+        self.request().result_toml()
+    }
+}
+
+/// # Errors
+/// If the value of a setting is out of its range.
+fn in_range(name: &'static str, value: f64, min: f64, max: f64) -> Result<(), ExperimentError> {
+    if (min..=max).contains(&value) {
+        Ok(())
+    } else {
+        Err(ExperimentError::Setting { name, value, min, max })
     }
 }
 

@@ -5,7 +5,10 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::{BackendChoice, Experiment, ExperimentError, Precision, Preset, Settings};
+use super::{
+    BackendChoice, Checking, Device, Experiment, ExperimentError, IntegrationRequest, Precision, Preset, Sampling,
+    Settings,
+};
 use crate::design::{Axis, Coordinate, Design, Fixed, Points, Varied, first_twice};
 use crate::machine::{Description, SiQuantity};
 use crate::parameters::{Parameter, ParameterSet};
@@ -18,6 +21,9 @@ pub struct Request {
     /// Where results go: the path all output names begin with. Not part of the experiment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub out: Option<PathBuf>,
+    /// The command that the experiment was written by, if it is not a map; its own options are in `options`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub command: Option<String>,
     /// Axes, the first of which varies fastest; of a map the horizontal one and the vertical one. Where neither axes nor points are
     /// given, each command has its own.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -31,23 +37,64 @@ pub struct Request {
     /// Values of parameters, and of quantities of the machine, that are no axis.
     #[serde(deserialize_with = "named_values")]
     pub set: BTreeMap<String, f64>,
-    pub settings: Settings,
+    /// Options of the command, which the library does not read.
+    #[serde(skip_serializing_if = "toml::Table::is_empty")]
+    pub options: toml::Table,
+    /// How instances are integrated.
+    #[serde(skip_serializing_if = "is_default")]
+    pub integration: IntegrationRequest,
+    /// What is sampled of each point.
+    pub sampling: Sampling,
+    /// On what the experiment runs. Not part of what identifies its results.
+    #[serde(skip_serializing_if = "is_default")]
+    pub device: Device,
+    /// How the results are checked. Not part of what identifies them.
+    #[serde(skip_serializing_if = "is_default")]
+    pub checking: Checking,
 }
 
-/// What version 0.1 wrote, with its tables `x` and `y` as axes; None of a text without them.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+/// What version 0.1 wrote, in the present form: its tables `x` and `y` as axes, and its `settings` by what they are for. None of a text
+/// without them.
 fn of_version_0_1(text: &str) -> Option<toml::Table> {
+    const INTEGRATION: [&str; 6] = [
+        "scheme",
+        "steps_per_period",
+        "modes",
+        "tolerance",
+        "renormalise_every",
+        "precision",
+    ];
     let mut table: toml::Table = text.parse().ok()?;
-    if table.contains_key("axes") || !(table.contains_key("x") || table.contains_key("y")) {
+    let has_axes = table.contains_key("x") || table.contains_key("y");
+    let settings = table.remove("settings");
+    if table.contains_key("axes") || !(has_axes || settings.is_some()) {
         return None;
     }
-    let default = Request::default_map();
-    let axes = ["x", "y"].into_iter().zip(default).map(|(name, default)| {
-        table
-            .remove(name)
-            .unwrap_or_else(|| toml::Value::try_from(default).expect("an axis has a TOML form"))
-    });
-    let axes = axes.collect();
-    table.insert("axes".to_owned(), toml::Value::Array(axes));
+    if has_axes {
+        let default = Request::default_map();
+        let axes = ["x", "y"].into_iter().zip(default).map(|(name, default)| {
+            table
+                .remove(name)
+                .unwrap_or_else(|| toml::Value::try_from(default).expect("an axis has a TOML form"))
+        });
+        let axes = axes.collect();
+        table.insert("axes".to_owned(), toml::Value::Array(axes));
+    }
+    let settings = settings.and_then(|settings| settings.as_table().cloned());
+    for (name, value) in settings.unwrap_or_default() {
+        let part = match name.as_str() {
+            name if INTEGRATION.contains(&name) => "integration",
+            "backend" | "adapter" => "device",
+            "audit" => "checking",
+            _ => "sampling",
+        };
+        let part = table.entry(part).or_insert_with(|| toml::Table::new().into());
+        part.as_table_mut()?.insert(name, value);
+    }
     Some(table)
 }
 
@@ -62,10 +109,43 @@ impl Request {
     /// # Errors
     /// If the text is no TOML, has an unknown key, or a value of the wrong type.
     pub fn from_toml(text: &str) -> Result<Self, ExperimentError> {
-        match of_version_0_1(text) {
-            Some(table) => Ok(table.try_into()?),
-            None => Ok(toml::from_str(text)?),
+        Self::from_toml_over(text, Sampling::default())
+    }
+
+    /// Reads a request; what the text leaves out of the sampling is that of `defaults`.
+    ///
+    /// # Errors
+    /// As [`Request::from_toml`].
+    pub fn from_toml_over(text: &str, defaults: Sampling) -> Result<Self, ExperimentError> {
+        let mut table = match of_version_0_1(text) {
+            Some(table) => table,
+            None => {
+                // an error in the text is told with its line
+                toml::from_str::<Self>(text)?;
+                text.parse()?
+            }
+        };
+        let mut sampling = toml::Table::try_from(defaults).expect("sampling has a TOML form");
+        if let Some(toml::Value::Table(own)) = table.remove("sampling") {
+            sampling.extend(own);
         }
+        table.insert("sampling".to_owned(), sampling.into());
+        Ok(table.try_into()?)
+    }
+
+    /// The request as TOML; [`Request::from_toml`] reads it back.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).expect("a request has a TOML form")
+    }
+
+    /// What identifies its results, as TOML: the request without the device and the checks.
+    pub fn result_toml(&self) -> String {
+        let request = Self {
+            device: Device::default(),
+            checking: Checking::default(),
+            ..self.clone()
+        };
+        request.to_toml()
     }
 
     /// A request for the product of some axes, and nothing else.
@@ -74,6 +154,12 @@ impl Request {
             axes: Some(axes),
             ..Self::default()
         }
+    }
+
+    /// Asks for these settings, and for no others.
+    pub fn set_settings(&mut self, settings: &Settings) {
+        self.integration = settings.integration.into();
+        self.sampling = settings.sampling;
     }
 
     /// Sets the values of a preset, over what is set already.
@@ -129,15 +215,23 @@ impl Request {
         let mut experiment = Experiment {
             extents: design.extents()?,
             design,
-            settings: self.settings.clone(),
+            settings: Settings {
+                sampling: self.sampling,
+                ..Settings::default()
+            },
+            device: self.device.clone(),
+            checking: self.checking,
         };
-        experiment.settings = self.settings.for_model(experiment.is_rubbed())?;
+        let integration = self
+            .integration
+            .resolve(experiment.is_rubbed(), || experiment.enough_modes())?;
+        experiment.settings.integration = integration;
         experiment.settings.check()?;
-        if experiment.settings.scheme().carries_heat() {
-            let modes = experiment.settings.modes.unwrap_or_else(|| experiment.enough_modes());
-            experiment.settings.modes = Some(modes);
+        let on_gpu = self.device.backend == BackendChoice::Gpu;
+        if on_gpu && integration.precision == Some(Precision::F64) {
+            return Err(ExperimentError::GpuF64);
         }
-        if experiment.settings.precision == Some(Precision::F32) || experiment.settings.backend == BackendChoice::Gpu {
+        if on_gpu || integration.precision == Some(Precision::F32) {
             experiment.check_f32_anywhere()?;
         }
         Ok(experiment)

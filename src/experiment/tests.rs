@@ -6,10 +6,14 @@ use crate::machine::TEMPLATE;
 fn an_experiment_survives_its_toml_form() {
     let mut request = Request::default();
     request.set.insert("omega_0".into(), 1.0 / 3.0);
-    request.settings.adapter = Some("llvmpipe".into());
+    request.device.adapter = Some("llvmpipe".into());
     let experiment = request.resolve().unwrap();
-    let again = Request::from_toml(&experiment.to_toml()).unwrap().resolve().unwrap();
-    assert_eq!(again, experiment);
+    let again = Request::from_toml(&experiment.request().to_toml()).unwrap();
+    assert_eq!(again.resolve().unwrap(), experiment);
+    // on what it runs is no part of what identifies its results
+    let results = Request::from_toml(&experiment.to_toml()).unwrap().resolve().unwrap();
+    assert!(results != experiment && results.has_results_of(&experiment));
+    assert_eq!(results.device, Device::default());
 }
 
 #[test]
@@ -17,15 +21,15 @@ fn the_default_number_of_steps_is_the_scheme_s() {
     let mut request = Request::default();
     let steps = |request: &Request| {
         let settings = request.resolve().unwrap().settings;
-        (settings.scheme.unwrap(), settings.steps_per_period.unwrap())
+        (settings.integration.scheme, settings.integration.steps_per_period)
     };
     assert_eq!(
         steps(&request),
         (Scheme::Taylor, Scheme::Taylor.default_steps_per_period())
     );
-    request.settings.scheme = Some(Scheme::Rk4);
+    request.integration.scheme = Some(Scheme::Rk4);
     assert_eq!(steps(&request), (Scheme::Rk4, 628));
-    request.settings.steps_per_period = Some(100);
+    request.integration.steps_per_period = Some(100);
     assert_eq!(steps(&request), (Scheme::Rk4, 100));
 }
 
@@ -45,16 +49,16 @@ fn an_empty_file_is_the_default_experiment() {
 fn bad_requests_are_refused_with_a_reason() {
     for (toml, reason) in [
         ("stepz = 3", "unknown field"),
-        ("[settings]\nsteps = 3", "unknown field"),
+        ("[integration]\nsteps = 3", "unknown field"),
         ("[set]\nzetak = 3", "did you mean `zeta_k`"),
         ("[set]\nzeta_k = 3", "leave one of the two out"),
         ("[set]\nb = nan", "out of range"),
-        ("[settings]\nsteps_per_period = 7", "from 8"),
-        ("[settings]\nperiods = 0", "from 16"),
-        ("[settings]\nalign_periods = 500", "from 0 to 300"),
-        ("[settings]\nbackend = \"gpu\"\nprecision = \"f64\"", "f32"),
-        ("[settings]\nbackend = \"gpu\"\n[set]\nepsilon_0 = 1e-6", "too thin"),
-        ("[settings]\nscheme = \"euler\"", "rk4"),
+        ("[integration]\nsteps_per_period = 7", "from 8"),
+        ("[sampling]\nperiods = 0", "from 16"),
+        ("[sampling]\nalign_periods = 500", "from 0 to 300"),
+        ("[device]\nbackend = \"gpu\"\n[integration]\nprecision = \"f64\"", "f32"),
+        ("[device]\nbackend = \"gpu\"\n[set]\nepsilon_0 = 1e-6", "too thin"),
+        ("[integration]\nscheme = \"euler\"", "rk4"),
         (
             "[y]\nparameter = \"zeta_k\"\nstart = 0\nstop = 1\ncount = 5",
             "two axes are zeta_k",
@@ -71,7 +75,7 @@ fn bad_requests_are_refused_with_a_reason() {
             "axes = []\npoints = {columns = ['h1'], rows = [[0.1]]}",
             "axes and points: leave one of the two out",
         ),
-        ("[settings.initial_box]\nx = [1, -1]\ny = [0, 1]", "lower end first"),
+        ("[sampling.initial_box]\nx = [1, -1]\ny = [0, 1]", "lower end first"),
     ] {
         let message = Request::from_toml(toml)
             .and_then(|request| request.resolve())
@@ -84,13 +88,13 @@ fn bad_requests_are_refused_with_a_reason() {
 #[test]
 fn steps_and_renormalisations_too_far_apart_for_the_layer_are_warned_of() {
     let mut request = Request::default();
-    request.settings.scheme = Some(Scheme::Rk4);
+    request.integration.scheme = Some(Scheme::Rk4);
     assert!(request.resolve().unwrap().warnings().is_empty());
     request.set.insert("epsilon_0".into(), 1e-5);
     let warnings = request.resolve().unwrap().warnings();
     assert!(warnings[0].contains("--steps-per-period"));
     assert!(warnings[1].contains("--renormalise-every"));
-    request.settings.scheme = None;
+    request.integration.scheme = None;
     assert!(request.resolve().unwrap().warnings().is_empty());
 }
 
@@ -131,14 +135,14 @@ fn heat_and_wear_of_a_machine_are_seen_wherever_they_are() {
     let resolve = |request: &Request| request.resolve().unwrap();
     let mut request = with_machine("shaft_speed_amplitude=50:300:5", "wear_coefficient=0:1e-14:4");
     let wears = resolve(&request);
-    assert!(wears.wears() && wears.is_rubbed() && wears.settings.scheme() == Scheme::Radau);
+    assert!(wears.wears() && wears.is_rubbed() && wears.settings.integration.scheme == Scheme::Radau);
     assert_eq!(wears.extent(Parameter::KW).0, 0.0);
     request.axes.as_mut().unwrap()[1] = Axis::parse("damping=0:500:4").unwrap();
     request.set.insert("wear_coefficient".into(), 0.0);
     assert!(!resolve(&request).wears() && resolve(&request).is_rubbed());
     request.set.insert("wear_energy_share".into(), 1.0);
     assert!(!resolve(&request).is_rubbed());
-    assert_eq!(resolve(&request).settings.scheme(), Scheme::Taylor);
+    assert_eq!(resolve(&request).settings.integration.scheme, Scheme::Taylor);
 }
 
 #[test]
@@ -234,7 +238,7 @@ fn an_unlikely_machine_is_warned_of_over_the_whole_map() {
 fn a_misspelt_name_in_a_file_is_reported_with_its_line() {
     for toml in [
         "[set]\nh1 = 0.5\nzetak = 3.9\n",
-        "[settings]\nperiods = 99\nperiode = 99\n",
+        "[sampling]\nperiods = 99\nperiode = 99\n",
         "[[axes]]\nstart = 0\nparameter = \"zetak\"\nstop = 1\ncount = 5\n",
     ] {
         let message = Request::from_toml(toml).unwrap_err().to_string();
@@ -254,7 +258,7 @@ fn slow_conduction_asks_for_more_heat_modes() {
         ] {
             request.set.insert(name.to_owned(), value);
         }
-        request.settings.modes = modes;
+        request.integration.modes = modes;
         request.resolve().unwrap().warnings().join(" ")
     };
     assert_eq!(warnings(0.1, Some(12)), "");
@@ -278,6 +282,35 @@ fn what_version_0_1_wrote_is_still_read() {
     assert_eq!(*x, Axis::parse("zeta_k=3:5:11").unwrap());
     assert_eq!(*y, Request::default_map()[1]);
     assert_eq!(request.set["b"], 2.0);
+
+    let old = "[settings]\nscheme = 'rk4'\nperiods = 99\nbackend = 'cpu'\naudit = 7\n[settings.initial_box]\nx = [0, 1]\ny = [0, 2]\n";
+    let request = Request::from_toml(old).unwrap();
+    assert_eq!(request.integration.scheme, Some(Scheme::Rk4));
+    assert_eq!(
+        (request.sampling.periods, request.sampling.initial_box.y),
+        (99, [0.0, 2.0])
+    );
+    assert_eq!(
+        (request.device.backend, request.checking.audit),
+        (BackendChoice::Cpu, Some(7))
+    );
+    let error = Request::from_toml("[settings]\nperiode = 99").unwrap_err().to_string();
+    assert!(error.contains("unknown field `periode`"), "{error}");
+}
+
+#[test]
+fn what_a_file_leaves_out_of_the_sampling_is_the_commands_own() {
+    let own = Sampling {
+        transient_periods: 500,
+        ..Sampling::default()
+    };
+    let request = Request::from_toml_over(
+        "command = 'poincare'\n[sampling]\nseed = 3\n[options]\npoints = 9\n",
+        own,
+    );
+    let request = request.unwrap();
+    assert_eq!((request.sampling.transient_periods, request.sampling.seed), (500, 3));
+    assert_eq!(Request::from_toml(&request.to_toml()).unwrap(), request);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::settings::USUAL_MODES;
+use super::integration::USUAL_MODES;
 use super::{Experiment, MAX_MODES, Precision, Scheme};
 use crate::machine::plausibility_warnings;
 use crate::model::thermal_modes;
@@ -27,7 +27,7 @@ const LARGE_ANGLE: f64 = 0.5;
 impl Experiment {
     /// What the user should know before a long run, each a sentence.
     pub fn warnings(&self) -> Vec<String> {
-        let numerical = match self.settings.scheme() {
+        let numerical = match self.settings.integration.scheme {
             // its steps shorten themselves, and where they cannot, the point is under-resolved
             Scheme::Taylor => Vec::new(),
             Scheme::Rk4 => self.fixed_step_warnings(),
@@ -66,7 +66,7 @@ impl Experiment {
 
     fn fixed_step_warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
-        let steps_per_period = self.settings.steps_per_period();
+        let steps_per_period = self.settings.integration.steps_per_period;
         // RK4 is stable where (decay rate)*(step) is below 2.785; the layer's decay rate is eps*F0*2/eps0.
         let rate =
             self.extent(Parameter::Epsilon).1 * self.extent(Parameter::F0).1 * 2.0 / self.extent(Parameter::Epsilon0).0;
@@ -79,9 +79,9 @@ impl Experiment {
             ));
         }
         // between two renormalisations the second tangent vector shrinks against the first by up to this exponent
-        let every = self.settings.renormalise_every.min(steps_per_period);
+        let every = self.settings.integration.renormalise_every.min(steps_per_period);
         let shrinkage = rate * step * f64::from(every);
-        let digits = match self.settings.precision {
+        let digits = match self.settings.integration.precision {
             Some(Precision::F64) => -f64::EPSILON.ln(),
             Some(Precision::F32) | None => -f64::from(f32::EPSILON).ln(),
         };
@@ -104,7 +104,7 @@ impl Experiment {
         let (biot, omega_tilde) = (self.extent(Parameter::Biot).0, self.extent(Parameter::OmegaTilde).0);
         let slowest = thermal_modes::roots(biot, 1)[0].powi(2) * omega_tilde;
         let period = TAU / self.extent(Parameter::Omega0).1;
-        let transient = f64::from(self.settings.transient_periods) * period;
+        let transient = f64::from(self.settings.sampling.transient_periods) * period;
         (slowest * transient < SETTLED).then(|| {
             let enough = (SETTLED / (slowest * period)).ceil();
             format!(
@@ -122,7 +122,7 @@ impl Experiment {
             return None;
         }
         let (rates, needed) = (self.mode_rates(), self.fast_mode());
-        let modes = self.settings.modes();
+        let modes = self.settings.integration.modes;
         let rate = *rates.get(modes as usize - 1)?;
         (rate < needed).then(|| {
             let enough = enough(&rates, needed);

@@ -6,15 +6,15 @@ use std::ops::ControlFlow;
 
 use super::whole_run::{self, Start};
 use super::{Measurement, fallback, scheme_error, undriven};
-use crate::backend::{Backend, BackendError};
-use crate::experiment::Settings;
+use crate::backend::{Backend, BackendError, check_model};
+use crate::experiment::{Sampling, Settings};
 use crate::parameters::ParameterSet;
 
 /// Runs a batch from its initial states to its measurements. `progress` hears after every slice how many
 /// instance-periods of a run at full length it did, and may break the run off; then None is returned.
 ///
 /// Instances whose contact wears have no transient: all their motion is one, and everything of it is measured, over
-/// `settings.periods`.
+/// `sampling.periods`.
 ///
 /// # Errors
 /// If the backend fails, or the scheme that was asked for does not carry the heat and wear of an instance.
@@ -24,9 +24,7 @@ pub fn measure_batch(
     instances: &[ParameterSet],
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<Vec<Measurement>>, BackendError> {
-    let settings = settings
-        .for_model(instances.iter().any(ParameterSet::is_rubbed))
-        .map_err(|error| BackendError::Unsupported(error.to_string()))?;
+    check_model(&settings.integration, instances)?;
     let with = |wanted: &dyn Fn(&ParameterSet) -> bool| -> Vec<usize> {
         (0..instances.len())
             .filter(|&index| wanted(&instances[index]))
@@ -36,16 +34,19 @@ pub fn measure_batch(
     let heated = with(&|set| set.is_rubbed() && !set.wears());
     let wearing = with(&ParameterSet::wears);
     let mut measured = vec![None; instances.len()];
-    let whole_run = u64::from(settings.transient_periods) + u64::from(settings.periods);
+    let whole_run = u64::from(settings.sampling.transient_periods) + u64::from(settings.sampling.periods);
     let from_the_start = Settings {
-        transient_periods: 0,
-        align_periods: 0,
-        ..settings.clone()
+        sampling: Sampling {
+            transient_periods: 0,
+            align_periods: 0,
+            ..settings.sampling
+        },
+        ..*settings
     };
     for (indices, settings, share) in [
-        (constant, &settings, whole_run),
-        (heated, &settings, whole_run),
-        (wearing, &from_the_start, u64::from(settings.periods)),
+        (constant, settings, whole_run),
+        (heated, settings, whole_run),
+        (wearing, &from_the_start, u64::from(settings.sampling.periods)),
     ] {
         if indices.is_empty() {
             continue;
@@ -96,7 +97,7 @@ fn measure_heated(
     let Some(mut measured) = whole_run::measure(backend, settings, instances, Start::default(), progress)? else {
         return Ok(None);
     };
-    let elapsed = settings.transient_periods + settings.periods;
+    let elapsed = settings.sampling.transient_periods + settings.sampling.periods;
     scheme_error::add_with_heat(backend, settings, instances, elapsed, &mut measured)?;
     Ok(Some(measured))
 }

@@ -9,7 +9,7 @@ use super::{Class, Measurement, Status};
 use crate::backend::{Backend, BackendError, BackendKind, Contact, EndState, Slice, Stage, Sums};
 use crate::dynamics::divergence_check::CHECKED_EVERY;
 use crate::dynamics::floquet::{Multipliers, Turn};
-use crate::experiment::Settings;
+use crate::experiment::{Sampling, Settings};
 use crate::parameters::ParameterSet;
 
 /// Turns that are watched: two for the multipliers, one more for how sure they are.
@@ -79,10 +79,13 @@ fn turn_alike(
     candidates: &[&Candidate],
 ) -> Result<Vec<Turned>, BackendError> {
     let settings = Settings {
-        transient_periods: 0,
-        align_periods: 0,
-        periods: TURNS * period,
-        ..settings.clone()
+        sampling: Sampling {
+            transient_periods: 0,
+            align_periods: 0,
+            periods: TURNS * period,
+            ..settings.sampling
+        },
+        ..*settings
     };
     let instances: Vec<ParameterSet> = candidates.iter().map(|candidate| candidate.instance).collect();
     let tangents: Vec<[f64; 2]> = candidates.iter().map(|candidate| candidate.tangent).collect();
@@ -122,7 +125,7 @@ fn turn_alike(
         .zip(tracks.iter().zip(ends))
         .map(|(candidate, (track, end))| Turned {
             measurement: track.measurement(candidate, &end, kind),
-            periods: settings.periods,
+            periods: settings.sampling.periods,
             end,
         })
         .collect())

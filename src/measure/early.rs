@@ -17,7 +17,7 @@ use super::whole_run::{self, Start};
 use super::{CONSTANT_GROWTH, Class, Measurement, Status};
 use crate::backend::{Backend, BackendError, BackendKind, Contact, EndState, Slice, Stage, Sums};
 use crate::dynamics::statistics::Spread;
-use crate::experiment::Settings;
+use crate::experiment::{Sampling, Settings};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// Lengths of the first legs, in forcing periods: the motion alone at first, then with its tangent vectors. Most cycles are
@@ -71,7 +71,7 @@ pub(super) fn measure(
         measured: vec![None; instances.len()],
     };
     let mut elapsed = 0;
-    for leg in legs(settings.transient_periods) {
+    for leg in legs(settings.sampling.transient_periods) {
         if batch.carry_on(backend, leg.clone(), progress)?.is_break() {
             return Ok(None);
         }
@@ -201,10 +201,13 @@ impl Batch<'_> {
     /// The settings of a run over some periods, all of which are measured.
     fn over(&self, periods: u32) -> Settings {
         Settings {
-            transient_periods: 0,
-            align_periods: 0,
-            periods,
-            ..self.settings.clone()
+            sampling: Sampling {
+                transient_periods: 0,
+                align_periods: 0,
+                periods,
+                ..self.settings.sampling
+            },
+            ..*self.settings
         }
     }
 
@@ -283,7 +286,7 @@ impl Batch<'_> {
     /// Measures the instances that are chaotic beyond doubt.
     fn find_chaos(&mut self, backend: &dyn Backend, elapsed: u32) {
         let periods = elapsed.saturating_sub(SETTLING);
-        if periods < LEAST_PERIODS.max(self.settings.periods / 2) {
+        if periods < LEAST_PERIODS.max(self.settings.sampling.periods / 2) {
             return;
         }
         let settings = self.over(periods);
@@ -315,7 +318,7 @@ impl Batch<'_> {
 
     /// Drops what has been measured; their full length is reported as done.
     fn settle_up(&mut self, elapsed: u32, progress: &mut dyn FnMut(u64) -> ControlFlow<()>) -> ControlFlow<()> {
-        let full = self.settings.transient_periods + self.settings.periods;
+        let full = self.settings.sampling.transient_periods + self.settings.sampling.periods;
         let measured = &mut self.measured;
         let mut dropped = 0;
         self.live.retain(|live| {
@@ -339,11 +342,14 @@ impl Batch<'_> {
         if self.live.is_empty() {
             return Ok(self.measured.into_iter().collect());
         }
-        let transient_periods = self.settings.transient_periods - elapsed;
+        let transient_periods = self.settings.sampling.transient_periods - elapsed;
         let settings = Settings {
-            transient_periods,
-            align_periods: self.settings.align_periods.min(transient_periods),
-            ..self.settings.clone()
+            sampling: Sampling {
+                transient_periods,
+                align_periods: self.settings.sampling.align_periods.min(transient_periods),
+                ..self.settings.sampling
+            },
+            ..*self.settings
         };
         let (instances, tangents) = present(&self.live);
         let start = Start {

@@ -32,7 +32,7 @@ pub(super) struct Growth {
 pub(super) struct Ended<'a> {
     pub parameters: &'a ParameterSet,
     pub settings: &'a Settings,
-    /// Periods since the start of the run, of which the last `settings.periods` were measured.
+    /// Periods since the start of the run, of which the last `sampling.periods` were measured.
     pub elapsed: u32,
     pub state: &'a EndState,
     pub backend: BackendKind,
@@ -105,7 +105,7 @@ impl Growth {
             return self.rubbed_measurement(ended);
         }
         let period_time = parameters.forcing_period();
-        let time = f64::from(settings.periods) * period_time;
+        let time = f64::from(settings.sampling.periods) * period_time;
         let [lyapunov, lyapunov_second] = statistics::exponents(self.total.growth.map(|growth| growth / time));
         let measurement = self.lasting_measurement(ended, lyapunov);
         let measurement = Measurement {
@@ -132,7 +132,7 @@ impl Growth {
         let (Some(period), Some(Class::Regular)) = (ended.state.period, measurement.class) else {
             return measurement;
         };
-        let window = stroboscope::window(ended.settings.periods, ended.settings.max_period);
+        let window = stroboscope::window(ended.settings.sampling.periods, ended.settings.sampling.max_period);
         let last = self.over_last(stroboscope::span_of(period, window));
         let period_time = ended.parameters.forcing_period();
         let interval = last.batches.iter().map(|batch| batch.0).sum::<f64>() * period_time;
@@ -172,16 +172,16 @@ impl Growth {
         let lyapunov_error = statistics::standard_error(&self.batches) / period_time;
         let lyapunov_birkhoff = self.total.birkhoff / period_time;
         let time = f64::from(elapsed) * period_time;
-        let window = stroboscope::window(settings.periods, settings.max_period);
-        let may_be_cycle = parameters.is_driven() || state.x_max - state.x_min < settings.period_tolerance;
+        let window = stroboscope::window(settings.sampling.periods, settings.sampling.max_period);
+        let may_be_cycle = parameters.is_driven() || state.x_max - state.x_min < settings.sampling.period_tolerance;
         let cycle = state.period.filter(|_| may_be_cycle).map(|period| Cycle {
             period,
             growth_rate: self.over_last(stroboscope::span_of(period, window)).rate() / period_time,
         });
-        let lyapunov_interval = f64::from(settings.periods) * period_time;
+        let lyapunov_interval = f64::from(settings.sampling.periods) * period_time;
         let class = Class::of(lyapunov, lyapunov_error, lyapunov_interval, cycle, lyapunov_birkhoff);
         // NaN where no single period was looked at
-        let independent = self.spread.independent_error(settings.periods) / period_time;
+        let independent = self.spread.independent_error(settings.sampling.periods) / period_time;
         let lyapunov_error = if class == Class::Chaotic && lyapunov < BELIEVED * independent {
             lyapunov_error.max(independent)
         } else {
@@ -226,7 +226,7 @@ impl Growth {
             state,
             ..
         } = *ended;
-        let time = f64::from(settings.periods) * parameters.forcing_period();
+        let time = f64::from(settings.sampling.periods) * parameters.forcing_period();
         let growth = self.total.growth[0];
         if !parameters.wears() {
             let measurement = self.settled(ended, self.lasting_measurement(ended, growth / time));
@@ -320,16 +320,17 @@ fn reached(cycle: &Cycle, lyapunov: f64, error: f64, settings: &Settings, time: 
     let decay = if lyapunov < 0.0 {
         -lyapunov * time
     } else {
-        let window = stroboscope::window(settings.periods, settings.max_period);
+        let window = stroboscope::window(settings.sampling.periods, settings.sampling.max_period);
         -cycle.growth_rate * f64::from(stroboscope::span_of(cycle.period, window)) * period_time
     };
-    decay > (10.0 / settings.period_tolerance).ln()
+    decay > (10.0 / settings.sampling.period_tolerance).ln()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::backend::Contact;
+    use crate::experiment::Sampling;
     use crate::experiment::Scheme;
 
     /// With heat there are no multipliers: what came before the cycle is left out of the mean.
@@ -337,9 +338,11 @@ mod tests {
     fn a_transient_is_no_part_of_the_mean_on_a_cycle() {
         let parameters = ParameterSet::default().with(Parameter::Gamma, 0.01);
         let settings = Settings {
-            scheme: Some(Scheme::Radau),
-            periods: 256,
-            ..Settings::default()
+            integration: Scheme::Radau.into(),
+            sampling: Sampling {
+                periods: 256,
+                ..Sampling::default()
+            },
         };
         let state = EndState {
             x: 0.5,

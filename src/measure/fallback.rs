@@ -13,7 +13,7 @@ use super::{Measurement, Status, one_scheme};
 use crate::backend::cpu::CpuBackend;
 use crate::backend::{Backend, BackendError, BackendKind, Slice, Stage};
 use crate::dynamics::taylor::escape::escape_time;
-use crate::experiment::{Precision, Scheme, Settings};
+use crate::experiment::{Integration, Precision, Scheme, Settings};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// Error of a step where an exponent is measured.
@@ -46,11 +46,12 @@ pub(crate) fn next(scheme: Scheme, kind: BackendKind) -> Scheme {
 /// The settings by which `scheme` does what another one gave up.
 pub(crate) fn in_place(settings: &Settings, scheme: Scheme) -> Settings {
     Settings {
-        scheme: Some(scheme),
-        steps_per_period: None,
-        tolerance: settings.tolerance.min(TOLERANCE),
-        precision: Some(Precision::F64),
-        ..settings.clone()
+        integration: Integration {
+            tolerance: settings.integration.tolerance.min(TOLERANCE),
+            precision: Some(Precision::F64),
+            ..scheme.into()
+        },
+        ..*settings
     }
 }
 
@@ -98,7 +99,7 @@ fn complete(
     let escaped = with(measured, &has_escaped);
     time_escapes(&mut backend, &by(Scheme::Radau), instances, &escaped, measured)?;
 
-    let scheme = settings.scheme();
+    let scheme = settings.integration.scheme;
     let is_by_default = next(scheme, kind) == Scheme::Radau;
     let given_up = with(measured, &|m| {
         m.status == Status::UnderResolved || (is_by_default && is_rough(m))
@@ -200,8 +201,11 @@ fn time_escapes(
         }
     }
     let settings = Settings {
-        tolerance: ESCAPE_TOLERANCE,
-        ..fallback.clone()
+        integration: Integration {
+            tolerance: ESCAPE_TOLERANCE,
+            ..fallback.integration
+        },
+        ..*fallback
     };
     left.into_iter()
         .try_for_each(|(periods, escapes)| locate(backend, &settings, periods, &escapes, measured))

@@ -18,7 +18,7 @@ pub(super) fn measure(
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<Vec<Measurement>>, BackendError> {
     let sums_all = sums_all(backend, settings);
-    let measured = if settings.decide_early && sums_all {
+    let measured = if settings.sampling.decide_early && sums_all {
         early::measure(backend, settings, instances, progress)?
     } else {
         whole_run::measure(backend, settings, instances, Start::default(), progress)?

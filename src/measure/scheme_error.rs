@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use super::{Class, Measurement, QUASI_PERIODIC_ERROR, Status, fallback};
 use crate::backend::cpu::CpuBackend;
 use crate::backend::{Backend, BackendError, Slice, Stage};
-use crate::experiment::{Precision, Scheme, Settings};
+use crate::experiment::{Integration, Precision, Sampling, Scheme, Settings};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// Two exponents differ by chance by up to so many times what their errors add up to.
@@ -27,7 +27,7 @@ pub(super) fn add(
     measured: &mut [Measurement],
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<()>, BackendError> {
-    if settings.scheme() == Scheme::Taylor {
+    if settings.integration.scheme == Scheme::Taylor {
         return Ok(Some(()));
     }
     let (indices, begun): (Vec<usize>, Vec<ParameterSet>) = measured
@@ -43,12 +43,15 @@ pub(super) fn add(
         return Ok(Some(()));
     }
     let finer = Settings {
-        scheme: Some(Scheme::Taylor),
-        steps_per_period: None,
-        precision: Some(Precision::F64),
-        period_tolerance: settings.period_tolerance,
-        max_period: settings.max_period,
-        ..Settings::default()
+        integration: Integration {
+            precision: Some(Precision::F64),
+            ..Integration::from(Scheme::Taylor)
+        },
+        sampling: Sampling {
+            period_tolerance: settings.sampling.period_tolerance,
+            max_period: settings.sampling.max_period,
+            ..Sampling::default()
+        },
     };
     // the scheme's own run was reported as all that there is to do
     let mut unheard = |_| progress(0);
@@ -83,15 +86,23 @@ pub(super) fn add_with_heat(
     elapsed: u32,
     measured: &mut [Measurement],
 ) -> Result<(), BackendError> {
-    let is_on_cycle = |m: &Measurement| m.period.is_some_and(|period| period <= LOOK.min(settings.periods));
+    let is_on_cycle = |m: &Measurement| {
+        m.period
+            .is_some_and(|period| period <= LOOK.min(settings.sampling.periods))
+    };
     if !measured.iter().any(is_on_cycle) {
         return Ok(());
     }
-    let look = LOOK.min(settings.periods);
+    let look = LOOK.min(settings.sampling.periods);
     backend.begin_anew(&Settings {
-        tolerance: FINER * settings.tolerance,
-        periods: look,
-        ..settings.clone()
+        integration: Integration {
+            tolerance: FINER * settings.integration.tolerance,
+            ..settings.integration
+        },
+        sampling: Sampling {
+            periods: look,
+            ..settings.sampling
+        },
     });
     backend.advance(&Slice {
         stage: Stage::Align,

@@ -7,7 +7,7 @@ use std::ops::Range;
 use super::{Class, Measurement, Status};
 use crate::backend::{Backend, BackendError, Slice, Stage};
 use crate::dynamics::statistics::{batches, birkhoff_weights, standard_error};
-use crate::experiment::Settings;
+use crate::experiment::{Sampling, Settings};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// In place of any other, so that nothing depends on a frequency with which nothing is driven: pi units of tau make what
@@ -59,7 +59,7 @@ pub(super) fn measure_limit_cycles(
     instances: &[ParameterSet],
     measured: &mut [Measurement],
 ) -> Result<(), BackendError> {
-    let moves = |m: &Measurement| m.status == Status::Ok && m.x_max - m.x_min > settings.period_tolerance;
+    let moves = |m: &Measurement| m.status == Status::Ok && m.x_max - m.x_min > settings.sampling.period_tolerance;
     let indices: Vec<usize> = (0..instances.len())
         .filter(|&index| !instances[index].is_driven() && moves(&measured[index]))
         .collect();
@@ -74,10 +74,13 @@ pub(super) fn measure_limit_cycles(
         })
         .collect();
     let settings = Settings {
-        transient_periods: ALIGN,
-        align_periods: ALIGN,
-        periods: LOOK,
-        ..settings.clone()
+        sampling: Sampling {
+            transient_periods: ALIGN,
+            align_periods: ALIGN,
+            periods: LOOK,
+            ..settings.sampling
+        },
+        ..*settings
     };
     backend.load(&settings, &begun)?;
     backend.advance(&Slice {

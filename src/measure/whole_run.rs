@@ -22,7 +22,7 @@ const SAMPLED: u32 = 64;
 
 /// Whether the divergence is summed up, without which multipliers are not known: not by the GPU's kernel of radau.
 pub(super) fn sums_all(backend: &dyn Backend, settings: &Settings) -> bool {
-    settings.scheme() != Scheme::Radau || backend.kind() != BackendKind::GpuF32
+    settings.integration.scheme != Scheme::Radau || backend.kind() != BackendKind::GpuF32
 }
 
 /// Where a run begins that goes on from an earlier one; by default, there is none.
@@ -66,15 +66,18 @@ pub(super) fn measure(
         Ok(ControlFlow::Continue(()))
     };
     for (stage, periods) in [
-        (Stage::Transient, settings.transient_periods - settings.align_periods),
-        (Stage::Align, settings.align_periods),
+        (
+            Stage::Transient,
+            settings.sampling.transient_periods - settings.sampling.align_periods,
+        ),
+        (Stage::Align, settings.sampling.align_periods),
     ] {
         if advance(backend, stage, 0..periods)?.is_break() {
             return Ok(None);
         }
     }
     let mut growth: Vec<Growth> = vec![Growth::default(); instances.len()];
-    for batch in statistics::batches(settings.periods) {
+    for batch in statistics::batches(settings.sampling.periods) {
         let mut sums = vec![Sums::default(); instances.len()];
         let stride = if batch.start < SAMPLED { 1 } else { batch.len() };
         for first in batch.clone().step_by(stride) {

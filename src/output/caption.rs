@@ -187,12 +187,12 @@ fn numerics(map: &ParameterMap) -> String {
     let (x, y) = (map.x_axis().count(), map.y_axis().count());
     let run = if map.experiment.wears() {
         // where nothing wears a transient comes before
-        format!("{} forcing periods from the start", settings.periods)
+        format!("{} forcing periods from the start", settings.sampling.periods)
     } else {
         format!(
             "transient of {} periods, {} measured periods{}",
-            settings.transient_periods,
-            settings.periods,
+            settings.sampling.transient_periods,
+            settings.sampling.periods,
             if map.experiment.decides_early() {
                 ", less where the motion shows early what it is"
             } else {
@@ -201,13 +201,13 @@ fn numerics(map: &ParameterMap) -> String {
         )
     };
     let mut text = format!("Map of {x} × {y} points. {}, {run}", scheme(settings));
-    if settings.initial_states > 1 {
+    if settings.sampling.initial_states > 1 {
         text += &format!(
             ", {} initial states (seed {}) per point from x in {}, y in {}",
-            settings.initial_states,
-            settings.seed,
-            range(settings.initial_box.x),
-            range(settings.initial_box.y)
+            settings.sampling.initial_states,
+            settings.sampling.seed,
+            range(settings.sampling.initial_box.x),
+            range(settings.sampling.initial_box.y)
         );
     }
     let computed = (0..x * y).filter(|&index| map.is_computed(index)).count();
@@ -223,12 +223,15 @@ fn numerics(map: &ParameterMap) -> String {
 
 /// The stepping scheme, and how many steps it takes in a forcing period.
 pub fn scheme(settings: &Settings) -> String {
-    let scheme = match settings.scheme() {
+    let scheme = match settings.integration.scheme {
         Scheme::Taylor => "Taylor series of order 8, steps ending at the friction layer’s boundaries",
         Scheme::Rk4 => "Runge–Kutta of order 4",
         Scheme::Radau => "Radau IIA of order 5, exact heat modes",
     };
-    format!("{scheme}, {} steps per forcing period", settings.steps_per_period())
+    format!(
+        "{scheme}, {} steps per forcing period",
+        settings.integration.steps_per_period
+    )
 }
 
 fn range([low, high]: [f64; 2]) -> String {

@@ -5,6 +5,7 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use super::table::experiment_comments;
 use super::{PROGRAM, write_whole};
 use crate::map::{ParameterMap, border};
 
@@ -35,6 +36,9 @@ pub fn write_border(path: &Path, map: &ParameterMap) -> Result<(), CsvError> {
              points in between are undecided, unstable, under-resolved, or ran away"
         )?;
         writeln!(file, "# chaos: begins or ends as the axis named first rises")?;
+        for line in experiment_comments(&map.experiment.to_toml()) {
+            writeln!(file, "# {line}")?;
+        }
         writeln!(file, "along,{x},{y},half_width,chaos")?;
         for change in border(map) {
             let along = [x, y][change.along];
@@ -62,7 +66,7 @@ mod tests {
     use std::fs;
 
     use super::*;
-    use crate::output::samples;
+    use crate::output::{samples, table::experiment_in};
 
     #[test]
     fn changes_of_rows_and_columns_are_listed_with_all_digits() {
@@ -76,7 +80,12 @@ mod tests {
         write_border(&path, &samples::map("zeta_k=0:1:4", "h1=0:0.3:2", &exponents)).unwrap();
         let text = fs::read_to_string(&path).unwrap();
         let (comments, rows): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| line.starts_with('#'));
-        assert!(comments[0].contains(PROGRAM) && comments.len() == 4);
+        assert!(comments[0].contains(PROGRAM));
+        let map = samples::map("zeta_k=0:1:4", "h1=0:0.3:2", &exponents);
+        assert_eq!(
+            experiment_in(&text).unwrap().replace('\n', ""),
+            map.experiment.to_toml().replace('\n', "")
+        );
         let (third, two_thirds) = (1.0 / 3.0, 2.0 / 3.0);
         let expected = [
             "along,zeta_k,h1,half_width,chaos".to_owned(),

@@ -1,6 +1,6 @@
-//! Files of drawings: PNG and SVG of one figure, with the recipe of what they show.
+//! Files of drawings: PNG and SVG of one figure, with the experiment that they show.
 //!
-//! Owns where the recipe is kept; the figure comes from a sheet, the recipe from whoever computed it.
+//! Owns where an SVG file keeps it; the figure comes from a sheet, the experiment from whoever computed it.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -9,8 +9,8 @@ use super::figure::Figure;
 use super::png::{self, PngError};
 use super::write_whole;
 
-/// Keyword of the PNG text chunk that holds the recipe, in TOML: what was computed, with which parameters and settings.
-pub const RECIPE_KEYWORD: &str = "tribochaos-analysis";
+/// What stands around an experiment in an SVG file.
+const METADATA: [&str; 2] = ["<metadata>", "</metadata>\n"];
 
 /// `name` with an ending, `outputs/phase` with `.png`; dots in the name stay.
 pub fn with_ending(name: &Path, ending: &str) -> PathBuf {
@@ -19,27 +19,44 @@ pub fn with_ending(name: &Path, ending: &str) -> PathBuf {
     path.into()
 }
 
-/// Writes `NAME.svg` and `NAME.png`, the latter last and with the recipe: where it is there, both are.
+/// Characters that XML writes in another way.
+const ESCAPED: [(&str, &str); 3] = [("&", "&amp;"), ("<", "&lt;"), (">", "&gt;")];
+
+/// Writes `NAME.svg` and `NAME.png`, the latter last; both hold the experiment, in TOML. Where the PNG file is there, both are.
 ///
 /// # Errors
 /// [`PngError::Figure`] if the figure cannot be drawn, [`PngError::Write`] if a file cannot be written.
-pub fn write_drawing(name: &Path, figure: &Figure, title: &str, recipe: &str) -> Result<[PathBuf; 2], PngError> {
+pub fn write_drawing(name: &Path, figure: &Figure, title: &str, experiment: &str) -> Result<[PathBuf; 2], PngError> {
     let svg = with_ending(name, ".svg");
-    write_whole(&svg, |file| file.write_all(figure.svg.as_bytes())).map_err(|source| PngError::Write {
+    let text = with_metadata(&figure.svg, experiment);
+    write_whole(&svg, |file| file.write_all(text.as_bytes())).map_err(|source| PngError::Write {
         path: svg.clone(),
         source,
     })?;
     let png = with_ending(name, ".png");
-    png::write_png_with_texts(&png, figure, &[("Title", title), (RECIPE_KEYWORD, recipe)])?;
+    png::write_png(&png, figure, experiment, &[("Title", title)])?;
     Ok([png, svg])
 }
 
-/// The recipe in a drawing's PNG file, if it has one.
-///
-/// # Errors
-/// As [`png::read_text`].
-pub fn read_recipe(png: &Path) -> Result<Option<String>, PngError> {
-    png::read_text(png, RECIPE_KEYWORD)
+/// The SVG text with an experiment behind its opening tag.
+fn with_metadata(svg: &str, experiment: &str) -> String {
+    let escaped = ESCAPED.iter().fold(experiment.to_owned(), |text, (plain, escaped)| {
+        text.replace(plain, escaped)
+    });
+    let (opening, content) = svg.split_once('\n').expect("an SVG text begins with a line of its own");
+    let [begin, end] = METADATA;
+    format!("{opening}\n{begin}{escaped}{end}{content}")
+}
+
+/// The experiment in an SVG text, if it has one.
+pub fn experiment_in(svg: &str) -> Option<String> {
+    let [begin, end] = METADATA;
+    let (_, rest) = svg.split_once(begin)?;
+    let (escaped, _) = rest.split_once(end.trim_end())?;
+    let plain = ESCAPED.iter().rev().fold(escaped.to_owned(), |text, (plain, escaped)| {
+        text.replace(escaped, plain)
+    });
+    Some(plain)
 }
 
 #[cfg(test)]
@@ -48,7 +65,7 @@ mod tests {
     use crate::output::text;
 
     #[test]
-    fn both_files_are_written_and_the_recipe_comes_back() {
+    fn both_files_are_written_and_the_experiment_comes_back() {
         let folder = tempfile::tempdir().unwrap();
         let figure = Figure {
             svg: text::document(8, 8, "<rect width=\"8\" height=\"8\" fill=\"#00ff00\"/>"),
@@ -56,8 +73,12 @@ mod tests {
             height: 8,
         };
         let name = folder.path().join("figure-3.1");
-        let [png, svg] = write_drawing(&name, &figure, "a title", "command = \"phase\"\n").unwrap();
-        assert!(png.ends_with("figure-3.1.png") && std::fs::read_to_string(svg).unwrap() == figure.svg);
-        assert_eq!(read_recipe(&png).unwrap().as_deref(), Some("command = \"phase\"\n"));
+        let experiment = "command = \"phase\"\n# a < b & c > d\n";
+        let [png, svg] = write_drawing(&name, &figure, "a title", experiment).unwrap();
+        assert!(png.ends_with("figure-3.1.png"));
+        assert_eq!(png::read_experiment(&png).unwrap(), experiment);
+        let svg = std::fs::read_to_string(svg).unwrap();
+        assert_eq!(experiment_in(&svg).as_deref(), Some(experiment));
+        assert_eq!(experiment_in(&figure.svg), None);
     }
 }

@@ -20,14 +20,6 @@ pub const EXPERIMENT_KEYWORD: &str = "tribochaos-experiment";
 /// # Errors
 /// [`PngError::Figure`] if it cannot be drawn, [`PngError::Write`] if it cannot be written.
 pub fn write_png(path: &Path, figure: &Figure, experiment: &str, texts: &[(&str, &str)]) -> Result<(), PngError> {
-    write_png_with_texts(path, figure, &[&[(EXPERIMENT_KEYWORD, experiment)], texts].concat())
-}
-
-/// As [`write_png`], for a figure that is no map's: with the program's name and the given texts alone.
-///
-/// # Errors
-/// As [`write_png`].
-pub fn write_png_with_texts(path: &Path, figure: &Figure, texts: &[(&str, &str)]) -> Result<(), PngError> {
     let pixels = figure.render()?;
     // Figures are opaque.
     let rgb: Vec<u8> = pixels
@@ -40,7 +32,10 @@ pub fn write_png_with_texts(path: &Path, figure: &Figure, texts: &[(&str, &str)]
         encoder.set_color(ColorType::Rgb);
         encoder.set_depth(BitDepth::Eight);
         encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
-        for &(keyword, text) in [("Software", PROGRAM)].iter().chain(texts) {
+        for &(keyword, text) in [("Software", PROGRAM), (EXPERIMENT_KEYWORD, experiment)]
+            .iter()
+            .chain(texts)
+        {
             encoder.add_itxt_chunk(keyword.to_owned(), text.to_owned())?;
         }
         let mut writer = encoder.write_header()?;
@@ -59,14 +54,10 @@ pub fn write_png_with_texts(path: &Path, figure: &Figure, texts: &[(&str, &str)]
 /// # Errors
 /// [`PngError::Read`], [`PngError::NoPng`], [`PngError::Damaged`] or [`PngError::NoExperiment`].
 pub fn read_experiment(path: &Path) -> Result<String, PngError> {
-    read_text(path, EXPERIMENT_KEYWORD)?.ok_or_else(|| PngError::NoExperiment { path: path.to_owned() })
+    read_text(path)?.ok_or_else(|| PngError::NoExperiment { path: path.to_owned() })
 }
 
-/// Reads the text with a keyword from a PNG file, if it has one, after checking that the whole file is sound.
-///
-/// # Errors
-/// [`PngError::Read`], [`PngError::NoPng`] or [`PngError::Damaged`].
-pub fn read_text(path: &Path, keyword: &str) -> Result<Option<String>, PngError> {
+fn read_text(path: &Path) -> Result<Option<String>, PngError> {
     let file = File::open(path).map_err(|source| PngError::Read {
         path: path.to_owned(),
         source,
@@ -93,7 +84,7 @@ pub fn read_text(path: &Path, keyword: &str) -> Result<Option<String>, PngError>
     while reader.next_row().map_err(damaged)?.is_some() {}
     reader.finish().map_err(damaged)?;
     let chunks = &reader.info().utf8_text;
-    let chunk = chunks.iter().find(|chunk| chunk.keyword == keyword);
+    let chunk = chunks.iter().find(|chunk| chunk.keyword == EXPERIMENT_KEYWORD);
     chunk.map(|chunk| chunk.get_text()).transpose().map_err(damaged)
 }
 

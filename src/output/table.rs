@@ -7,6 +7,23 @@ use std::path::{Path, PathBuf};
 
 use super::{PROGRAM, write_whole};
 
+/// What stands above the lines of an experiment in the comments of a table.
+const HEADING: &str = "experiment:";
+
+/// Comments that hold an experiment in TOML.
+pub fn experiment_comments(toml: &str) -> impl Iterator<Item = String> + '_ {
+    let lines = toml.lines().filter(|line| !line.is_empty()).map(str::to_owned);
+    std::iter::once(HEADING.to_owned()).chain(lines)
+}
+
+/// The experiment in the comments of a table, if there is one.
+pub fn experiment_in(table: &str) -> Option<String> {
+    let comments = table.lines().map_while(|line| line.strip_prefix("# "));
+    let mut toml = comments.skip_while(|&comment| comment != HEADING);
+    toml.next()?;
+    Some(toml.map(|line| format!("{line}\n")).collect())
+}
+
 /// Writes a table: comments, the names of the columns, and rows of values. A value that is not finite is left empty.
 ///
 /// # Errors

@@ -8,22 +8,26 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use tribochaos::backend::Backend;
 use tribochaos::backend::cpu::CpuBackend;
-use tribochaos::experiment::{Precision, Scheme, Settings};
+use tribochaos::experiment::{Integration, Precision, Sampling, Scheme, Settings};
 use tribochaos::measure::{Measurement, measure_batch};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 /// Settings with every number that enters a result written out, so that a changed default moves no reference value.
 pub fn pinned_settings() -> Settings {
     Settings {
-        scheme: Some(Scheme::Rk4),
-        steps_per_period: Some(628),
-        transient_periods: 300,
-        align_periods: 50,
-        periods: 300,
-        decide_early: false,
-        renormalise_every: 157,
-        period_tolerance: 1e-4,
-        ..Settings::default()
+        integration: Integration {
+            steps_per_period: 628,
+            renormalise_every: 157,
+            ..Integration::from(Scheme::Rk4)
+        },
+        sampling: Sampling {
+            transient_periods: 300,
+            align_periods: 50,
+            periods: 300,
+            decide_early: false,
+            period_tolerance: 1e-4,
+            ..Sampling::default()
+        },
     }
 }
 

@@ -1,6 +1,6 @@
 //! Classes of motion, periods and runaways at points where they are certain.
 
-use tribochaos::experiment::Settings;
+use tribochaos::experiment::{Sampling, Settings};
 use tribochaos::measure::{Class, Measurement, Status};
 use tribochaos::model::motion::RUNAWAY_BOUND;
 use tribochaos::parameters::{Parameter, ParameterSet};
@@ -100,8 +100,11 @@ fn known_cycles_are_found_with_their_period_and_place() {
 #[test]
 fn quasi_periodic_motion_is_recognised() {
     let settings = Settings {
-        transient_periods: 1000,
-        periods: 3000,
+        sampling: Sampling {
+            transient_periods: 1000,
+            periods: 3000,
+            ..pinned_settings().sampling
+        },
         ..pinned_settings()
     };
     let points = [
@@ -152,9 +155,12 @@ fn a_runaway_is_reported_with_its_time_and_does_not_disturb_its_neighbours() {
     }
     for (transient_periods, align_periods) in [(300, 50), (20, 20), (0, 0)] {
         let settings = Settings {
-            transient_periods,
-            align_periods,
-            periods: 64,
+            sampling: Sampling {
+                transient_periods,
+                align_periods,
+                periods: 64,
+                ..pinned_settings().sampling
+            },
             ..pinned_settings()
         };
         for precision in PRECISIONS {

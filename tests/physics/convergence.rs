@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 
 use tribochaos::backend::cpu::CpuBackend;
-use tribochaos::experiment::{Precision, Preset, Settings};
+use tribochaos::experiment::{Integration, Precision, Preset, Sampling, Scheme, Settings};
 use tribochaos::measure::{Class, Measurement, Status, measure_batch};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
@@ -24,15 +24,23 @@ fn points([low, high]: [f64; 2], k_w: f64) -> Vec<ParameterSet> {
 /// The measurements with wear over 40 periods, and without over 200 + 100.
 fn measure(zeta_k: [f64; 2], precision: Precision, modes: u32, tolerance: f64) -> [Vec<Measurement>; 2] {
     let settings = Settings {
-        modes: Some(modes),
-        tolerance,
-        transient_periods: 200,
-        periods: 100,
-        ..Settings::default()
+        integration: Integration {
+            modes,
+            tolerance,
+            ..Scheme::Radau.into()
+        },
+        sampling: Sampling {
+            transient_periods: 200,
+            periods: 100,
+            ..Sampling::default()
+        },
     };
     let wearing = Settings {
-        periods: 40,
-        ..settings.clone()
+        sampling: Sampling {
+            periods: 40,
+            ..settings.sampling
+        },
+        ..settings
     };
     [(&wearing, 0.01), (&settings, 0.0)].map(|(settings, k_w)| {
         let mut backend = CpuBackend::new(precision);
@@ -117,7 +125,7 @@ fn convergence_tables() {
     let measured = |precision, modes, tolerance| measure(NEAR_4, precision, modes, tolerance);
     let exact = measured(Precision::F64, 48, 1e-8);
     for precision in [Precision::F64, Precision::F32] {
-        let default = Settings::default().tolerance;
+        let default = Integration::default().tolerance;
         for (modes, tolerance) in [(8, 1e-3), (8, default), (12, default)] {
             let found = measured(precision, modes, tolerance);
             row(

@@ -4,7 +4,7 @@ use nalgebra::Matrix2;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::{Backend, Slice, Stage};
 use tribochaos::dynamics::reference::ReferenceOrbit;
-use tribochaos::experiment::{Precision, Request, Scheme, Settings};
+use tribochaos::experiment::{Precision, Request, Sampling, Scheme, Settings};
 use tribochaos::measure::{Class, Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
@@ -18,14 +18,17 @@ fn map_points(stride: usize) -> Vec<ParameterSet> {
 
 fn full_length() -> Settings {
     Settings {
-        decide_early: false,
+        sampling: Sampling {
+            decide_early: false,
+            ..Sampling::default()
+        },
         ..Settings::default()
     }
 }
 
 fn is_decided_early(m: &Measurement) -> bool {
     let settings = Settings::default();
-    m.integrated_periods < settings.transient_periods + settings.periods
+    m.integrated_periods < settings.sampling.transient_periods + settings.sampling.periods
 }
 
 #[test]
@@ -73,8 +76,11 @@ fn a_slow_departure_from_an_unstable_cycle_is_not_taken_for_chaos() {
         point.with(Parameter::H1, h1)
     });
     let long = Settings {
-        transient_periods: 1000,
-        periods: 1000,
+        sampling: Sampling {
+            transient_periods: 1000,
+            periods: 1000,
+            ..full_length().sampling
+        },
         ..full_length()
     };
     for precision in PRECISIONS {
@@ -138,8 +144,11 @@ fn exponents_of_cycles_are_the_multipliers_of_the_period_map() {
 #[test]
 fn the_error_claimed_for_chaos_covers_a_disjoint_run_ten_times_longer() {
     let longer = Settings {
-        transient_periods: 300,
-        periods: 2000,
+        sampling: Sampling {
+            transient_periods: 300,
+            periods: 2000,
+            ..full_length().sampling
+        },
         ..full_length()
     };
     let (mut covered, mut compared) = (0, 0);
@@ -190,8 +199,11 @@ fn the_error_claimed_for_intermittent_chaos_covers_a_longer_run() {
         .map(|i| from_state(intermittent, [side(i % 40), side(i / 40)]))
         .collect();
     let long = Settings {
-        transient_periods: 600,
-        periods: 4000,
+        sampling: Sampling {
+            transient_periods: 600,
+            periods: 4000,
+            ..full_length().sampling
+        },
         ..full_length()
     };
     let long = measure(Precision::F64, &long, &points);
@@ -235,7 +247,7 @@ fn a_run_that_is_taken_up_again_goes_on_as_if_it_had_not_been_interrupted() {
     for scheme in [Scheme::Taylor, Scheme::Rk4] {
         for precision in PRECISIONS {
             let settings = Settings {
-                scheme: Some(scheme),
+                integration: scheme.into(),
                 ..Settings::default()
             };
             let mut backend = CpuBackend::new(precision);
@@ -279,7 +291,7 @@ fn tangents_are_refused_where_they_have_more_dimensions() {
     let mut backend = CpuBackend::new(Precision::F64);
     let heated = ParameterSet::default().with(Parameter::Gamma, 1.0);
     let settings = Settings {
-        scheme: Some(Scheme::Radau),
+        integration: Scheme::Radau.into(),
         ..Settings::default()
     };
     backend.load(&settings, &[heated]).unwrap();

@@ -1,7 +1,7 @@
 //! The edges of the parameters: exponents that are known exactly, layers thinner and thinner, slow drives, strong damping, and
 //! escapes. Every case holds on every scheme that claims it, in both number types.
 
-use tribochaos::experiment::{Precision, Preset, Scheme, Settings};
+use tribochaos::experiment::{Integration, Precision, Preset, Sampling, Scheme, Settings};
 use tribochaos::measure::{Class, Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
@@ -9,8 +9,10 @@ use crate::common::{PRECISIONS, measure, point};
 
 fn settings(scheme: Scheme) -> Settings {
     Settings {
-        scheme: Some(scheme),
-        tolerance: if scheme == Scheme::Radau { 1e-8 } else { 2e-4 },
+        integration: Integration {
+            tolerance: if scheme == Scheme::Radau { 1e-8 } else { 2e-4 },
+            ..Integration::from(scheme)
+        },
         ..Settings::default()
     }
 }
@@ -54,7 +56,10 @@ fn no_exponent_has_a_floor() {
         for scheme in [Scheme::Taylor, Scheme::Radau] {
             // a weak damping takes many periods of a fast drive to bring the orbit to rest
             let settings = Settings {
-                transient_periods: 1200,
+                sampling: Sampling {
+                    transient_periods: 1200,
+                    ..settings(scheme).sampling
+                },
                 ..settings(scheme)
             };
             let measured = measure(precision, &settings, &points);
@@ -221,7 +226,10 @@ fn what_truly_diverges_has_run_away_at_its_time() {
     let driven_up = point(&[(F0, 0.0), (Alpha, 0.0), (Beta, 0.0), (H1, -0.5)]);
     for scheme in Scheme::ALL {
         let settings = Settings {
-            tolerance: 1e-5,
+            integration: Integration {
+                tolerance: 1e-5,
+                ..settings(scheme).integration
+            },
             ..settings(scheme)
         };
         let [m] = measure(Precision::F64, &settings, &[driven_up])[..] else {
@@ -240,8 +248,11 @@ fn a_cycle_is_told_however_long_the_run() {
     let cycles = [4.0, 5.3].map(|zeta_k| point(&[(Parameter::ZetaK, zeta_k)]));
     for periods in [550, 1600, 2100, 4999, 10_000] {
         let settings = Settings {
-            decide_early: false,
-            periods,
+            sampling: Sampling {
+                decide_early: false,
+                periods,
+                ..settings(Scheme::Taylor).sampling
+            },
             ..settings(Scheme::Taylor)
         };
         for m in measure(Precision::F64, &settings, &cycles) {
@@ -275,9 +286,11 @@ fn what_a_scheme_misses_is_part_of_its_error() {
     for scheme in Scheme::ALL {
         for decide_early in [true, false] {
             let settings = Settings {
-                scheme: Some(scheme),
-                decide_early,
-                ..Settings::default()
+                integration: scheme.into(),
+                sampling: Sampling {
+                    decide_early,
+                    ..Sampling::default()
+                },
             };
             let [m] = measure(Precision::F64, &settings, &[set])[..] else {
                 unreachable!()
@@ -293,7 +306,10 @@ fn what_a_scheme_misses_is_part_of_its_error() {
     let heated = [3.2, 3.5, 3.9].map(|zeta_k| Preset::Paper.parameters().with(ZetaK, zeta_k).with(KW, 0.0));
     let at_tolerance = |tolerance| {
         let settings = Settings {
-            tolerance,
+            integration: Integration {
+                tolerance,
+                ..Scheme::Radau.into()
+            },
             ..Settings::default()
         };
         measure(Precision::F64, &settings, &heated)
@@ -326,7 +342,10 @@ fn slow_drives_and_strong_damping(columns: u32, rows: u32, others: usize) {
         .collect();
     let by_taylor = measure(Precision::F64, &settings(Scheme::Taylor), &points);
     let tightest = Settings {
-        tolerance: 1e-9,
+        integration: Integration {
+            tolerance: 1e-9,
+            ..settings(Scheme::Radau).integration
+        },
         ..settings(Scheme::Radau)
     };
     let by_radau = measure(Precision::F64, &tightest, &points);

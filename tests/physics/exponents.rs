@@ -2,7 +2,7 @@
 
 use tribochaos::dynamics::spectrum::lyapunov_spectrum;
 use tribochaos::dynamics::statistics;
-use tribochaos::experiment::{Precision, Settings};
+use tribochaos::experiment::{Integration, Precision, Sampling, Settings};
 use tribochaos::measure::{Class, Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
@@ -138,10 +138,15 @@ fn the_two_well_duffing_oscillator_has_its_published_exponents() {
         (Parameter::Omega0, 1.0),
     ]);
     let settings = Settings {
-        steps_per_period: Some(256),
-        renormalise_every: 64,
-        periods: 1000,
-        ..pinned_settings()
+        integration: Integration {
+            steps_per_period: 256,
+            renormalise_every: 64,
+            ..pinned_settings().integration
+        },
+        sampling: Sampling {
+            periods: 1000,
+            ..pinned_settings().sampling
+        },
     };
     let mut random = Random::new(3);
     let orbits: Vec<ParameterSet> = (0..48)
@@ -177,7 +182,10 @@ fn random_parameters(random: &mut Random) -> ParameterSet {
 /// Settings by which exponents are means over the measured periods, since no states agree, and not the multipliers of cycles.
 fn means() -> Settings {
     Settings {
-        period_tolerance: 0.0,
+        sampling: Sampling {
+            period_tolerance: 0.0,
+            ..pinned_settings().sampling
+        },
         ..pinned_settings()
     }
 }
@@ -196,7 +204,10 @@ fn the_sum_of_the_exponents_is_the_mean_divergence_at_random_parameters() {
         (Precision::F32, 2512, 1e-5),
     ] {
         let settings = Settings {
-            steps_per_period: Some(steps_per_period),
+            integration: Integration {
+                steps_per_period,
+                ..means().integration
+            },
             ..means()
         };
         for (p, m) in points.iter().zip(measure(precision, &settings, &points)) {
@@ -261,8 +272,11 @@ fn the_spectrum_of_a_runaway_is_none() {
 /// The friction layer resolved; see the next test for what the paper's step makes of it.
 fn resolved_settings() -> Settings {
     Settings {
-        steps_per_period: Some(4000),
-        renormalise_every: 1000,
+        integration: Integration {
+            steps_per_period: 4000,
+            renormalise_every: 1000,
+            ..pinned_settings().integration
+        },
         ..pinned_settings()
     }
 }

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 use tribochaos::backend::cpu::CpuBackend;
-use tribochaos::experiment::{MAX_MODES, Precision, Request, Settings};
+use tribochaos::experiment::{MAX_MODES, Precision, Request};
 use tribochaos::measure::{Measurement, measure_batch};
 use tribochaos::model::thermal_modes::ThermalModes;
 use tribochaos::parameters::Parameter;
@@ -257,11 +257,8 @@ fn heated_box(index: u32) -> Request {
 /// its experiment takes, against the most there are; and how many modes these are.
 fn error_of_modes(index: u32) -> (u32, [f64; 4]) {
     let mut request = heated_box(index);
-    request.settings = Settings {
-        tolerance: 1e-7,
-        periods: 16,
-        ..Settings::default()
-    };
+    request.integration.tolerance = Some(1e-7);
+    request.sampling.periods = 16;
     let contact = |request: &Request| {
         let experiment = request.resolve_point().unwrap();
         let mut backend = CpuBackend::new(Precision::F64);
@@ -278,10 +275,10 @@ fn error_of_modes(index: u32) -> (u32, [f64; 4]) {
             contact.peak_temperature,
             lost,
         ];
-        (experiment.settings.modes(), figures)
+        (experiment.settings.integration.modes, figures)
     };
     let (modes, found) = contact(&request);
-    request.settings.modes = Some(MAX_MODES);
+    request.integration.modes = Some(MAX_MODES);
     let (_, exact) = contact(&request);
     (modes, std::array::from_fn(|i| (found[i] / exact[i] - 1.0).abs()))
 }

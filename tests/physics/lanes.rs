@@ -4,7 +4,7 @@
 use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
 use tribochaos::dynamics::spectrum::lyapunov_spectrum;
 use tribochaos::dynamics::statistics;
-use tribochaos::experiment::{Precision, Settings};
+use tribochaos::experiment::{Precision, Sampling, Settings};
 use tribochaos::measure::{Class, Measurement, QUANTITIES};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
@@ -16,8 +16,11 @@ const INSTANCES: usize = 97;
 /// Long enough for the damped orbits below to settle to rounding.
 fn short_settings() -> Settings {
     Settings {
-        transient_periods: 150,
-        periods: 100,
+        sampling: Sampling {
+            transient_periods: 150,
+            periods: 100,
+            ..pinned_settings().sampling
+        },
         ..pinned_settings()
     }
 }
@@ -48,7 +51,10 @@ fn bits(measured: &Measurement) -> Vec<u64> {
 fn every_instruction_set_and_precision_agrees_with_the_scalar_reference_on_regular_orbits() {
     // means over the measured periods, as the reference's, and not the multipliers of cycles
     let settings = Settings {
-        period_tolerance: 0.0,
+        sampling: Sampling {
+            period_tolerance: 0.0,
+            ..short_settings().sampling
+        },
         ..short_settings()
     };
     let points = regular_points();

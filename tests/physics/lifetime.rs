@@ -6,7 +6,7 @@ use tribochaos::analysis::lifetime::{Decay, Fit, Survival, exponent};
 use tribochaos::analysis::settling::{End, Fate, follow};
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::engine::initial_states;
-use tribochaos::experiment::{Precision, Settings};
+use tribochaos::experiment::{Precision, Sampling, Settings};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 const STATES: u32 = 400;
@@ -20,11 +20,14 @@ fn fates(zeta_k: f64, h1: f64, seed: u32, longest: u32) -> Vec<Fate> {
 
 fn fates_of(at: &ParameterSet, seed: u32, longest: u32) -> Vec<Fate> {
     let settings = Settings {
-        seed,
-        initial_states: STATES + 1,
+        sampling: Sampling {
+            seed,
+            initial_states: STATES + 1,
+            ..Sampling::default()
+        },
         ..Settings::default()
     };
-    let starts = initial_states::offsets(&settings);
+    let starts = initial_states::offsets(&settings.sampling);
     let backend = &mut CpuBackend::new(Precision::F64);
     follow(backend, &settings, at, &starts, longest, &mut |_| {
         ControlFlow::Continue(())

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::design::Axis;
 use tribochaos::engine::{Backends, initial_states};
-use tribochaos::experiment::{Experiment, Precision, Request, Settings};
+use tribochaos::experiment::{Experiment, Precision, Request, Sampling, Settings};
 use tribochaos::measure::Class;
 use tribochaos::parameters::{Parameter, ParameterSet};
 
@@ -18,10 +18,13 @@ fn at(zeta_k: f64, h1: f64) -> ParameterSet {
 /// Four times as long as the default, which leaves an orbit near the end of doubling time to settle.
 fn long() -> Settings {
     Settings {
-        transient_periods: 1750,
-        periods: 450,
-        decide_early: false,
-        period_tolerance: 1e-5,
+        sampling: Sampling {
+            transient_periods: 1750,
+            periods: 450,
+            decide_early: false,
+            period_tolerance: 1e-5,
+            ..Sampling::default()
+        },
         ..Settings::default()
     }
 }
@@ -95,9 +98,12 @@ fn duffing(zeta_k: f64) -> ParameterSet {
 #[test]
 fn a_cascade_is_followed_to_period_64() {
     let settings = Settings {
-        transient_periods: 4000,
-        periods: 512,
-        period_tolerance: 1e-6,
+        sampling: Sampling {
+            transient_periods: 4000,
+            periods: 512,
+            period_tolerance: 1e-6,
+            ..Sampling::default()
+        },
         ..Settings::default()
     };
     let points = [2.9, 2.92, 2.9228].map(duffing);
@@ -107,12 +113,18 @@ fn a_cascade_is_followed_to_period_64() {
     };
     assert_eq!(periods(&settings), [Some(4), Some(8), Some(64)]);
     let longer = Settings {
-        max_period: 256,
-        ..settings.clone()
+        sampling: Sampling {
+            max_period: 256,
+            ..settings.sampling
+        },
+        ..settings
     };
     assert_eq!(periods(&longer), [Some(4), Some(8), Some(64)]);
     let shorter = Settings {
-        max_period: 32,
+        sampling: Sampling {
+            max_period: 32,
+            ..settings.sampling
+        },
         ..settings
     };
     assert_eq!(periods(&shorter), [Some(4), Some(8), None]);
@@ -128,7 +140,10 @@ fn an_orbit_that_stays_where_disturbances_grow_is_on_no_attractor() {
     for precision in PRECISIONS {
         for decide_early in [true, false] {
             let settings = Settings {
-                decide_early,
+                sampling: Sampling {
+                    decide_early,
+                    ..Sampling::default()
+                },
                 ..Settings::default()
             };
             let m = measure(precision, &settings, &[saddle])[0];
@@ -151,10 +166,13 @@ fn a_chaotic_transient_is_no_part_of_a_cycle_s_exponent() {
         .map(|i| at(3.0 + f64::from(i % 64) / 32.0, 1.5 * f64::from(i / 64) / 31.0))
         .collect();
     let settings = Settings {
-        transient_periods: 50,
-        align_periods: 50,
-        periods: 500,
-        decide_early: false,
+        sampling: Sampling {
+            transient_periods: 50,
+            align_periods: 50,
+            periods: 500,
+            decide_early: false,
+            ..Sampling::default()
+        },
         ..Settings::default()
     };
     let measured = measure(Precision::F64, &settings, &points);
@@ -224,7 +242,10 @@ fn a_limit_cycle_has_the_exponent_across_the_flow_whatever_omega_0() {
         let bound = if precision == Precision::F64 { 1e-5 } else { 1e-4 };
         for decide_early in [true, false] {
             let settings = Settings {
-                decide_early,
+                sampling: Sampling {
+                    decide_early,
+                    ..Sampling::default()
+                },
                 ..Settings::default()
             };
             for m in measure(precision, &settings, &points) {
@@ -284,7 +305,10 @@ fn a_bush_that_creeps_is_on_no_limit_cycle() {
     });
     for decide_early in [true, false] {
         let settings = Settings {
-            decide_early,
+            sampling: Sampling {
+                decide_early,
+                ..Sampling::default()
+            },
             ..Settings::default()
         };
         for (m, set) in measure(Precision::F64, &settings, &creeping).iter().zip(&creeping) {
@@ -325,9 +349,10 @@ fn exponents_are_continuous_as_the_drive_vanishes() {
 fn experiment(x: &str, y: &str, states: u32, settings: &Settings) -> Experiment {
     let request = Request {
         axes: Some(vec![Axis::parse(x).unwrap(), Axis::parse(y).unwrap()]),
-        settings: Settings {
+        integration: settings.integration.into(),
+        sampling: Sampling {
             initial_states: states,
-            ..settings.clone()
+            ..settings.sampling
         },
         ..Request::default()
     };
@@ -345,7 +370,7 @@ fn attractors(experiment: &Experiment) -> Vec<u32> {
 
 /// What is told of each orbit of a point, where a test fails.
 fn orbits_of(experiment: &Experiment, index: usize) -> Vec<String> {
-    let states = initial_states::offsets(&experiment.settings);
+    let states = initial_states::offsets(&experiment.settings.sampling);
     let instances: Vec<_> = initial_states::instances(experiment.design.point(index), &states).collect();
     let measured = measure(Precision::F64, &experiment.settings, &instances);
     let mut told: Vec<String> = (measured.iter())
@@ -368,8 +393,11 @@ fn orbits_of(experiment: &Experiment, index: usize) -> Vec<String> {
 #[test]
 fn only_what_has_settled_counts_as_an_attractor() {
     let long = Settings {
-        transient_periods: 1500,
-        periods: 500,
+        sampling: Sampling {
+            transient_periods: 1500,
+            periods: 500,
+            ..Sampling::default()
+        },
         ..Settings::default()
     };
     let slow = experiment(

@@ -7,7 +7,7 @@ use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::dynamics::adaptive::{Control, Orbit, Peaks, System, Tangent};
 use tribochaos::dynamics::history::{Sample, history};
 use tribochaos::dynamics::radau::ModeStep;
-use tribochaos::experiment::{Precision, Preset, Scheme, Settings};
+use tribochaos::experiment::{Integration, Precision, Preset, Sampling, Scheme, Settings};
 use tribochaos::lanes::Real;
 use tribochaos::measure::{Class, Measurement, Status, measure_batch};
 use tribochaos::model::rubbing::HeatModes;
@@ -39,8 +39,11 @@ fn close(found: f64, expected: f64, relative: f64, what: &str) {
 /// A run of 30 periods, in which contact is lost.
 fn contact_settings() -> Settings {
     Settings {
-        periods: 30,
-        ..Settings::default()
+        sampling: Sampling {
+            periods: 30,
+            ..Sampling::default()
+        },
+        ..Settings::from(Scheme::Radau)
     }
 }
 
@@ -71,7 +74,7 @@ fn the_paper_s_contact_is_lost_when_and_how_the_model_says() {
 
 #[test]
 fn without_wear_the_paper_s_cycles_have_their_periods_and_exponents() {
-    let settings = Settings::default();
+    let settings = Settings::from(Scheme::Radau);
     let expected = [(3.5, 2, -0.08084), (3.9, 1, -0.44739)];
     for precision in [Precision::F64, Precision::F32] {
         let instances = expected.map(|(zeta_k, ..)| paper(zeta_k).with(Parameter::KW, 0.0));
@@ -86,7 +89,7 @@ fn without_wear_the_paper_s_cycles_have_their_periods_and_exponents() {
 #[test]
 fn wear_without_heat_takes_the_pressure_to_zero_slowly() {
     let set = paper(3.9).with(Parameter::Gamma, 0.0);
-    let run = history(&set, &Settings::default(), 0..40, 100);
+    let run = history(&set, &Scheme::Radau.into(), 0..40, 100);
     let wear_at = |tau: f64| {
         let after = run.samples.iter().position(|sample| sample.tau >= tau).unwrap();
         let [a, b] = [&run.samples[after - 1], &run.samples[after]];
@@ -101,13 +104,13 @@ fn wear_without_heat_takes_the_pressure_to_zero_slowly() {
 #[test]
 fn contact_holds_where_the_model_says_that_it_does() {
     let held = [paper(1.0), paper(3.9).with(Parameter::Gamma, 0.02)];
-    for m in measure(Precision::F64, &Settings::default(), &held) {
+    for m in measure(Precision::F64, &Settings::from(Scheme::Radau), &held) {
         assert_eq!(m.contact.lost, None);
         assert!(m.contact.final_wear > 0.5);
     }
     let lost = measure(
         Precision::F64,
-        &Settings::default(),
+        &Settings::from(Scheme::Radau),
         &[paper(3.9).with(Parameter::Gamma, 0.025)],
     );
     close(lost[0].contact.lost.unwrap(), 55.4, 1e-3, "tau_c");
@@ -119,7 +122,10 @@ fn the_whole_range_is_resolved_in_both_precisions() {
     let double = measure(Precision::F64, &contact_settings(), &instances);
     let single = measure(Precision::F32, &contact_settings(), &instances);
     let fine = Settings {
-        tolerance: 1e-6,
+        integration: Integration {
+            tolerance: 1e-6,
+            ..contact_settings().integration
+        },
         ..contact_settings()
     };
     let reference = measure(Precision::F64, &fine, &instances);
@@ -161,11 +167,14 @@ fn the_modes_agree_with_finite_volumes_and_with_the_volterra_integral() {
     let set = paper(3.9);
     let case: Case = preset(3.9);
     let settings = Settings {
-        modes: Some(24),
-        tolerance: 1e-6,
-        ..Settings::default()
+        integration: Integration {
+            modes: 24,
+            tolerance: 1e-6,
+            ..Scheme::Radau.into()
+        },
+        ..Settings::from(Scheme::Radau)
     };
-    let ours = history(&set, &settings, 0..2, 16);
+    let ours = history(&set, &settings.integration, 0..2, 16);
     let volumes = finite_volume(&case, 6.3, 1e-4, 200);
     let integral = volterra(&case, 6.3, 5e-4);
     for sample in &ours.samples[1..] {
@@ -189,12 +198,17 @@ fn modes_and_tolerance_converge() {
     let instances = [paper(3.9), paper(3.5).with(Parameter::KW, 0.0)];
     let with = |modes, tolerance| {
         let settings = Settings {
-            modes: Some(modes),
-            tolerance,
-            transient_periods: 40,
-            align_periods: 10,
-            periods: 30,
-            ..Settings::default()
+            integration: Integration {
+                modes,
+                tolerance,
+                ..Scheme::Radau.into()
+            },
+            sampling: Sampling {
+                transient_periods: 40,
+                align_periods: 10,
+                periods: 30,
+                ..Sampling::default()
+            },
         };
         let measured = measure(Precision::F64, &settings, &instances);
         (measured[0].contact.final_wear, measured[1].lyapunov)
@@ -217,13 +231,7 @@ fn modes_and_tolerance_converge() {
 fn without_heat_and_wear_the_scheme_gives_the_reduced_model() {
     let regular = ParameterSet::default().with(Parameter::ZetaK, 3.5);
     let chaotic = ParameterSet::default();
-    let by = |scheme| {
-        let settings = Settings {
-            scheme: Some(scheme),
-            ..Settings::default()
-        };
-        measure(Precision::F64, &settings, &[regular, chaotic])
-    };
+    let by = |scheme: Scheme| measure(Precision::F64, &scheme.into(), &[regular, chaotic]);
     let [radau, taylor] = [Scheme::Radau, Scheme::Taylor].map(by);
     // at the default tolerance
     assert!(
@@ -251,7 +259,7 @@ fn a_fast_start_does_not_lose_contact_at_once() {
 #[test]
 fn with_a_ramp_contact_begins_at_zero_and_can_come_back() {
     let ramped = paper(3.9).with(Parameter::RampRate, 0.05).with(Parameter::KW, 0.05);
-    let run = history(&ramped, &Settings::default(), 0..8, 64);
+    let run = history(&ramped, &Scheme::Radau.into(), 0..8, 64);
     assert_eq!(run.samples[0].pressure, 0.0);
     assert!(!run.given_up);
     for sample in &run.samples {
@@ -259,7 +267,7 @@ fn with_a_ramp_contact_begins_at_zero_and_can_come_back() {
     }
     // slow motion: the shaft cools while it rests, loses contact, and the fit that still grows closes the gap again
     let slow = paper(1.0).with(Parameter::Omega0, 0.2).with(Parameter::RampRate, 1e-5);
-    let run = history(&slow, &Settings::default(), 0..5, 256);
+    let run = history(&slow, &Scheme::Radau.into(), 0..5, 256);
     let case = Case {
         set: slow,
         ramp_rate: Some(1e-5),
@@ -284,12 +292,15 @@ fn with_a_ramp_contact_begins_at_zero_and_can_come_back() {
 /// The state (x, v, h_U - u_w) after some periods, and a tangent vector started at (1, 0), in any number type.
 fn followed<R: Real>(set: &ParameterSet, x0: R, periods: u32) -> ([R; 3], [R; 3]) {
     let settings = Settings {
-        tolerance: 1e-6,
-        ..Settings::default()
+        integration: Integration {
+            tolerance: 1e-6,
+            ..Scheme::Radau.into()
+        },
+        ..Settings::from(Scheme::Radau)
     };
     let modes = HeatModes::new(set, &ThermalModes::new(set[Parameter::Biot], 6));
     let system = System::<R>::new(|parameter| R::splat(set[parameter]), |_| &modes);
-    let control = Control::new(&settings);
+    let control = Control::new(&settings.integration);
     let mut orbit = Orbit::start(&system, x0, R::splat(set[Parameter::Y0]));
     let mut peaks = Peaks::start(&orbit);
     let mut tangent = Tangent::start(modes.rates.len());
@@ -332,10 +343,13 @@ fn the_heat_put_in_is_stored_or_lost_at_the_surface() {
     // (sum c_m q_m)' = Q - omega_tilde Bi theta(1)/gamma, in terms of the pressure: p - (1 - u_w) = 2 gamma sum c_m q_m
     let set = paper(3.9);
     let settings = Settings {
-        tolerance: 1e-6,
-        ..Settings::default()
+        integration: Integration {
+            tolerance: 1e-6,
+            ..Scheme::Radau.into()
+        },
+        ..Settings::from(Scheme::Radau)
     };
-    let run = history(&set, &settings, 0..3, 2000);
+    let run = history(&set, &settings.integration, 0..3, 2000);
     let (gamma, cooling) = (set[Parameter::Gamma], set[Parameter::OmegaTilde] * set[Parameter::Biot]);
     let friction = |v: f64| crate::oracle::friction(&set, v);
     // Simpson's rule over pairs of samples

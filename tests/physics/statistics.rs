@@ -1,6 +1,6 @@
 //! Standard errors that can be believed.
 
-use tribochaos::experiment::{Precision, Settings};
+use tribochaos::experiment::{Precision, Sampling, Settings};
 use tribochaos::measure::Class;
 use tribochaos::parameters::{Parameter, ParameterSet};
 
@@ -19,7 +19,10 @@ fn the_standard_error_of_a_chaotic_exponent_is_the_scatter_of_repeated_runs() {
         .collect();
     for (periods, most) in [(300, 1.8), (1000, 1.3)] {
         let settings = Settings {
-            periods,
+            sampling: Sampling {
+                periods,
+                ..pinned_settings().sampling
+            },
             ..pinned_settings()
         };
         let measured = measure(Precision::F64, &settings, &orbits);

@@ -5,7 +5,7 @@ use tribochaos::backend::{Backend, BackendKind, EndState, Slice, Stage};
 use tribochaos::dynamics::reference::{Reference, ReferenceOrbit};
 use tribochaos::dynamics::tangent::Vector;
 use tribochaos::dynamics::taylor::series::{Local, Series};
-use tribochaos::experiment::{Precision, Scheme, Settings};
+use tribochaos::experiment::{Integration, Precision, Scheme, Settings};
 use tribochaos::measure::Status;
 use tribochaos::parameters::{Parameter, ParameterSet};
 use tribochaos::studies::benchmark::{self, accuracy::References};
@@ -14,9 +14,12 @@ use crate::common::{PRECISIONS, Random, measure, pinned_settings, point};
 use crate::dual::Dual;
 
 fn settings(steps_per_period: Option<u32>) -> Settings {
+    let default = Integration::from(Scheme::Taylor);
     Settings {
-        scheme: Some(Scheme::Taylor),
-        steps_per_period,
+        integration: Integration {
+            steps_per_period: steps_per_period.unwrap_or(default.steps_per_period),
+            ..default
+        },
         ..pinned_settings()
     }
 }

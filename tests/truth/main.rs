@@ -28,7 +28,7 @@ use rayon::prelude::*;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
 use tribochaos::backend::{Backend, BackendError};
-use tribochaos::experiment::{Precision, Scheme, Settings};
+use tribochaos::experiment::{Integration, Precision, Scheme, Settings};
 use tribochaos::measure::{Measurement, Status, measure_batch};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
@@ -153,11 +153,11 @@ fn truths(points: &[ParameterSet]) -> Vec<Truth> {
 }
 
 fn of_scheme(scheme: Scheme) -> Settings {
-    Settings {
-        scheme: Some(scheme),
-        steps_per_period: (scheme == Scheme::Rk4).then_some(RK4_STEPS),
-        ..Settings::default()
+    let mut settings = Settings::from(scheme);
+    if scheme == Scheme::Rk4 {
+        settings.integration.steps_per_period = RK4_STEPS;
     }
+    settings
 }
 
 #[test]
@@ -203,7 +203,10 @@ fn exponents_of_the_program_tend_to_the_limit_of_sharp_friction() {
         for scheme in [Scheme::Taylor, Scheme::Radau] {
             let mut backend = CpuBackend::new(Precision::F64);
             let settings = Settings {
-                tolerance: 1e-8,
+                integration: Integration {
+                    tolerance: 1e-8,
+                    ..of_scheme(scheme).integration
+                },
                 ..of_scheme(scheme)
             };
             let measured = common::measure_on(&mut backend, &settings, &points);

@@ -14,7 +14,7 @@
 //! - **unknown**: the reference itself gave up.
 
 use tribochaos::backend::{Backend, BackendKind};
-use tribochaos::experiment::Settings;
+use tribochaos::experiment::{Sampling, Settings};
 use tribochaos::measure::{Class, Measurement, Status};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
@@ -98,10 +98,13 @@ pub fn judge(
         return (Verdict::Wrong, there);
     }
     let settings = Settings {
-        transient_periods: 3000,
-        periods: 1000,
-        decide_early: false,
-        ..settings.clone()
+        sampling: Sampling {
+            transient_periods: 3000,
+            periods: 1000,
+            decide_early: false,
+            ..settings.sampling
+        },
+        ..*settings
     };
     let later = measure_on(backend, &settings, &[*point])[0];
     if later.status != Status::Ok {
@@ -126,7 +129,7 @@ fn error_of_state(m: &Measurement) -> f64 {
 }
 
 fn compare(settings: &Settings, point: &ParameterSet, m: &Measurement, truth: &Truth, from: From) -> Verdict {
-    let run = settings.transient_periods + settings.periods;
+    let run = settings.sampling.transient_periods + settings.sampling.periods;
     // periods that were integrated for it include looks at cycles, and other schemes
     let ran = f64::from(m.integrated_periods.min(run)) * point.forcing_period();
     match (m.status, *truth) {

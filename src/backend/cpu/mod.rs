@@ -168,7 +168,7 @@ fn batch<I: Instructions, V: Real + Send + Sync + 'static, T: Real + Send + Sync
     settings: &Settings,
     instances: &[ParameterSet],
 ) -> Box<dyn CpuBatch> {
-    match settings.scheme() {
+    match settings.integration.scheme {
         Scheme::Taylor => Box::new(Blocks::<I, TaylorBlock<T>>::new(instructions, settings, instances)),
         Scheme::Radau => Box::new(Blocks::<I, RadauBlock<V>>::new(instructions, settings, instances)),
         Scheme::Rk4 => Box::new(Blocks::<I, Rk4Block<Wide<V, RK4_IN_FLIGHT>, RK4_GROUPS>>::new(

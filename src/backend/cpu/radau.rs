@@ -42,12 +42,12 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
     fn run(settings: &Settings, instances: &[ParameterSet]) -> Run<R> {
         Run {
             measuring: Measuring::new(settings),
-            control: Control::new(settings),
+            control: Control::new(&settings.integration),
             // without heat anywhere modes would be found, and carried, in vain
             spectra: instances
                 .iter()
                 .any(ParameterSet::is_rubbed)
-                .then(|| Spectra::new(instances, settings.modes() as usize)),
+                .then(|| Spectra::new(instances, settings.integration.modes as usize)),
         }
     }
 
@@ -85,7 +85,7 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
 
     fn change(run: &mut Run<R>, settings: &Settings) {
         run.measuring = Measuring::new(settings);
-        run.control = Control::new(settings);
+        run.control = Control::new(&settings.integration);
     }
 
     #[inline(always)]

@@ -24,11 +24,12 @@ pub(super) struct Measuring {
 impl Measuring {
     pub fn new(settings: &Settings) -> Self {
         Self {
-            birkhoff_weights: statistics::birkhoff_weights(settings.periods),
-            unrecorded: settings.periods - stroboscope::window(settings.periods, settings.max_period),
-            periods: settings.periods,
-            max_period: settings.max_period,
-            period_tolerance: settings.period_tolerance,
+            birkhoff_weights: statistics::birkhoff_weights(settings.sampling.periods),
+            unrecorded: settings.sampling.periods
+                - stroboscope::window(settings.sampling.periods, settings.sampling.max_period),
+            periods: settings.sampling.periods,
+            max_period: settings.sampling.max_period,
+            period_tolerance: settings.sampling.period_tolerance,
         }
     }
 }

@@ -39,15 +39,15 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
 
     fn run(settings: &Settings, _: &[ParameterSet]) -> Self::Run {
         Run {
-            drive: DriveTable::new::<R>(settings.steps_per_period()),
+            drive: DriveTable::new::<R>(settings.integration.steps_per_period),
             measuring: Measuring::new(settings),
-            renormalise_every: settings.renormalise_every as usize,
+            renormalise_every: settings.integration.renormalise_every as usize,
         }
     }
 
     fn new(_: &Self::Run, settings: &Settings, instances: &[ParameterSet]) -> Self {
         let instance = |index: usize| &instances[index.min(instances.len() - 1)];
-        let steps = f64::from(settings.steps_per_period());
+        let steps = f64::from(settings.integration.steps_per_period);
         let h = |index| TAU / (instance(index)[Parameter::Omega0] * steps);
         Self {
             motion: Motion::new(|parameter| Wide::from_lanes(|lane| instance(lane)[parameter])),

@@ -45,7 +45,7 @@ impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
         let instance = |lane: usize| &instances[lane.min(instances.len() - 1)];
         let lanes = |parameter| R::from_lanes(|lane| instance(lane)[parameter]);
         let unit = R::from_lanes(|lane| taylor::unit_of_time(instance(lane)[Parameter::Omega0]));
-        let longest = R::from_lanes(|lane| taylor::longest_step(instance(lane), settings.steps_per_period()));
+        let longest = R::from_lanes(|lane| taylor::longest_step(instance(lane), settings.integration.steps_per_period));
         let passes = instances.iter().map(|set| taylor::most_passes(set.forcing_period()));
         let mut block = Self {
             flow: Flow::new(lanes, unit, longest),

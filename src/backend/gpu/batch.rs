@@ -44,7 +44,7 @@ impl GpuBatch {
         model.fill(context, &buffers, settings, instances);
         Self {
             model,
-            scheme: settings.scheme(),
+            scheme: settings.integration.scheme,
             buffers,
             load,
         }

@@ -87,7 +87,7 @@ impl Binding {
     pub(super) fn size(&self, settings: &Settings, instances: usize) -> u64 {
         match self.count {
             Count::One => self.element(),
-            Count::Periods => u64::from(settings.periods) * self.element(),
+            Count::Periods => u64::from(settings.sampling.periods) * self.element(),
             // a binding has one element at least
             Count::Instances | Count::OfInstance(_) => instances.max(1) as u64 * self.share(settings),
         }
@@ -101,11 +101,11 @@ impl Binding {
 
 /// Elements of an instance's last stroboscopic states, each of them x and y.
 pub(super) fn last_states(settings: &Settings) -> usize {
-    stroboscope::most_states(settings.max_period) as usize
+    stroboscope::most_states(settings.sampling.max_period) as usize
 }
 
 /// The weights of the Birkhoff average as a device takes them.
 pub(super) fn birkhoff_weights(settings: &Settings) -> Vec<f32> {
-    let weights = statistics::birkhoff_weights(settings.periods);
+    let weights = statistics::birkhoff_weights(settings.sampling.periods);
     weights.into_iter().map(|weight| weight as f32).collect()
 }

@@ -25,7 +25,7 @@ use self::layout::Binding;
 use self::shader_source::Shader;
 use super::{Backend, BackendError, EndState, Slice, Sums};
 use crate::backend::BackendKind;
-use crate::experiment::{MAX_MODES, Scheme, Settings};
+use crate::experiment::{Integration, MAX_MODES, Scheme, Settings};
 use crate::parameters::ParameterSet;
 
 /// Instances that fill the largest devices.
@@ -117,8 +117,11 @@ impl Backend for GpuBackend {
         };
         // whatever the model, which the settings may leave to the points
         let largest = Settings {
-            modes: Some(MAX_MODES),
-            ..settings.clone()
+            integration: Integration {
+                modes: MAX_MODES,
+                ..settings.integration
+            },
+            ..*settings
         };
         let shares = model::BINDINGS.map(|bindings| largest_share(bindings, &largest));
         let share = shares.into_iter().max().expect("there are models");
@@ -126,7 +129,7 @@ impl Backend for GpuBackend {
     }
 
     fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
-        let scheme = settings.scheme();
+        let scheme = settings.integration.scheme;
         let model = model::of(settings, instances)?;
         let bindings = model.bindings();
         self.check_size(bindings, settings, instances)?;

@@ -54,7 +54,7 @@ pub(super) trait Model: Send {
 /// # Errors
 /// If its kernels cannot do what the settings ask for.
 pub(super) fn of(settings: &Settings, instances: &[ParameterSet]) -> Result<Box<dyn Model>, BackendError> {
-    Ok(match settings.scheme() {
+    Ok(match settings.integration.scheme {
         Scheme::Rk4 | Scheme::Taylor => Box::new(Reduced::new(settings)?),
         Scheme::Radau => Box::new(Rubbed::new(settings, instances)?),
     })

@@ -313,7 +313,7 @@ impl MapStore {
                 tile.indices(columns)
                     .any(|index| status[index] == 0.0 && values[index].is_nan() && has_it(index))
             };
-            let reduced = !self.experiment.settings.scheme().carries_heat();
+            let reduced = !self.experiment.settings.integration.scheme.carries_heat();
             let mut numbers = NEVER_NAN
                 .into_iter()
                 .chain(NEVER_NAN_REDUCED.into_iter().filter(|_| reduced))

@@ -10,7 +10,7 @@ use super::{median, points_of_model, quantile};
 use crate::backend::cpu::CpuBackend;
 use crate::backend::{Backend, BackendError, Slice, Stage};
 use crate::dynamics::reference::ReferenceOrbit;
-use crate::experiment::{MAX_MODES, Precision, Scheme, Settings};
+use crate::experiment::{Integration, MAX_MODES, Precision, Sampling, Scheme, Settings};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// Forcing periods over which exponents are compared, from the initial state on.
@@ -65,9 +65,11 @@ impl References {
     /// there is no integrator of another kind that is fast enough.
     pub fn compute_rubbed(points: &[ParameterSet]) -> Self {
         let settings = Settings {
-            scheme: Some(Scheme::Radau),
-            tolerance: 1e-8,
-            modes: Some(MAX_MODES),
+            integration: Integration {
+                tolerance: 1e-8,
+                modes: MAX_MODES,
+                ..Integration::from(Scheme::Radau)
+            },
             ..Settings::default()
         };
         let exponents = |points: &[ParameterSet]| {
@@ -115,8 +117,11 @@ fn exponents(
     points: &[ParameterSet],
 ) -> Result<Vec<f64>, BackendError> {
     let settings = Settings {
-        periods: PERIODS,
-        ..settings.clone()
+        sampling: Sampling {
+            periods: PERIODS,
+            ..settings.sampling
+        },
+        ..*settings
     };
     backend.load(&settings, points)?;
     backend.advance(&Slice {

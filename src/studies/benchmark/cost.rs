@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::median;
 use crate::backend::{Backend, BackendError};
-use crate::experiment::Settings;
+use crate::experiment::{Sampling, Settings};
 use crate::measure::measure_batch;
 use crate::parameters::ParameterSet;
 
@@ -34,20 +34,23 @@ impl Cost {
     }
 }
 
-/// Times a run of `settings.transient_periods` of the motion alone and `settings.periods` with tangent vectors, at full
+/// Times a run of `settings.sampling.transient_periods` of the motion alone and `sampling.periods` with tangent vectors, at full
 /// length.
 ///
 /// # Errors
 /// If the backend fails.
 pub fn cost(backend: &mut dyn Backend, settings: &Settings, instances: &[ParameterSet]) -> Result<Cost, BackendError> {
     let settings = Settings {
-        align_periods: 0,
-        decide_early: false,
-        ..settings.clone()
+        sampling: Sampling {
+            align_periods: 0,
+            decide_early: false,
+            ..settings.sampling
+        },
+        ..*settings
     };
     let per_instance_period =
         |time: Duration, periods: u32| time.as_nanos() as f64 / (f64::from(periods) * instances.len() as f64);
-    let transient = u64::from(settings.transient_periods) * instances.len() as u64;
+    let transient = u64::from(settings.sampling.transient_periods) * instances.len() as u64;
     let (mut done, mut halfway) = (0, Duration::ZERO);
     let started = Instant::now();
     measure_batch(backend, &settings, instances, &mut |instance_periods| {
@@ -59,7 +62,7 @@ pub fn cost(backend: &mut dyn Backend, settings: &Settings, instances: &[Paramet
     })?;
     let whole = started.elapsed();
     Ok(Cost {
-        motion_alone: per_instance_period(halfway, settings.transient_periods),
-        with_vectors: per_instance_period(whole - halfway, settings.periods),
+        motion_alone: per_instance_period(halfway, settings.sampling.transient_periods),
+        with_vectors: per_instance_period(whole - halfway, settings.sampling.periods),
     })
 }

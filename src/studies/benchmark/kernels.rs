@@ -11,7 +11,7 @@ use super::cost::{self, Cost};
 use super::points_of_model;
 use crate::backend::cpu::{CpuBackend, InstructionSet};
 use crate::backend::{Backend, BackendError};
-use crate::experiment::{Precision, Scheme, Settings};
+use crate::experiment::{Integration, Precision, Sampling, Scheme, Settings};
 use crate::parameters::ParameterSet;
 
 /// A scheme on a device.
@@ -36,7 +36,7 @@ impl Case {
             instructions,
             precision,
             modes,
-            tolerance: Settings::default().tolerance,
+            tolerance: Integration::default().tolerance,
         };
         [Scheme::Taylor, Scheme::Rk4]
             .map(|scheme| case(scheme, None))
@@ -46,13 +46,15 @@ impl Case {
     }
 
     pub fn settings(&self) -> Settings {
-        let settings = Settings::default();
+        let default = Integration::from(self.scheme);
         Settings {
-            scheme: Some(self.scheme),
-            modes: self.modes.or(settings.modes),
-            tolerance: self.tolerance,
-            precision: Some(self.precision),
-            ..settings
+            integration: Integration {
+                modes: self.modes.unwrap_or(default.modes),
+                tolerance: self.tolerance,
+                precision: Some(self.precision),
+                ..default
+            },
+            ..Settings::default()
         }
     }
 
@@ -83,8 +85,11 @@ impl Case {
     pub fn cost(&self, backend: &mut dyn Backend) -> Result<Cost, BackendError> {
         let (transient_periods, periods) = self.timed();
         let settings = Settings {
-            transient_periods,
-            periods,
+            sampling: Sampling {
+                transient_periods,
+                periods,
+                ..self.settings().sampling
+            },
             ..self.settings()
         };
         cost::cost(backend, &settings, &self.points())

@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::{every, median, plane};
 use crate::backend::cpu::CpuBackend;
 use crate::backend::{Backend, BackendError};
-use crate::experiment::{Precision, Settings};
+use crate::experiment::{Precision, Sampling, Settings};
 use crate::measure::measure_batch;
 use crate::parameters::ParameterSet;
 
@@ -104,10 +104,13 @@ fn points(count: usize) -> Vec<ParameterSet> {
 /// motion alone and as many with tangent vectors.
 fn time(points: &[ParameterSet], periods: u32) -> Result<f64, BackendError> {
     let settings = Settings {
-        transient_periods: periods,
-        align_periods: 0,
-        periods,
-        decide_early: false,
+        sampling: Sampling {
+            transient_periods: periods,
+            align_periods: 0,
+            periods,
+            decide_early: false,
+            ..Sampling::default()
+        },
         ..Settings::default()
     };
     let mut backend = CpuBackend::new(Precision::F64);

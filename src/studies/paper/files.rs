@@ -105,14 +105,9 @@ impl Files {
             })?;
         }
         let drawn = outcome.sheet.draw()?;
-        let recipe = toml::to_string(&json!({
-            "command": "reproduce",
-            "figure": figure.id,
-            "revision": figure.revision,
-            "effort": self.effort,
-            "program": PROGRAM,
-        }))
-        .expect("a recipe has a TOML form");
+        let options = json!({ "figure": figure.id, "revision": figure.revision, "effort": self.effort });
+        let recipe = toml::to_string(&json!({ "command": "reproduce", "options": options }));
+        let recipe = recipe.expect("options have a TOML form");
         let mut files = write_drawing(&name, &drawn, figure.title, &recipe)?.to_vec();
         for data in &outcome.data {
             let path = with_ending(&name, &format!("{}.csv", data.panel));

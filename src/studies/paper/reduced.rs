@@ -12,7 +12,7 @@ use crate::backend::cpu::CpuBackend;
 use crate::design::{Axis, Fixed};
 use crate::dynamics::spectrum::lyapunov_spectrum;
 use crate::engine::{Backends, initial_states};
-use crate::experiment::{Precision, Settings};
+use crate::experiment::{Precision, Sampling, Settings};
 use crate::output::charts::{self, Component};
 use crate::output::panel::Panel;
 use crate::output::sheet::{BESIDE, Sheet};
@@ -87,8 +87,11 @@ fn bifurcation_panel(
     observer: &mut Observer<'_>,
 ) -> Result<Option<Drawn>, PaperError> {
     let settings = Settings {
-        transient_periods: TRANSIENT,
-        periods: work.states,
+        sampling: Sampling {
+            transient_periods: TRANSIENT,
+            periods: work.states,
+            ..Sampling::default()
+        },
         ..Settings::default()
     };
     let axis = axis(range, work.columns);
@@ -131,9 +134,12 @@ fn exponents_panel(
     observer: &mut Observer<'_>,
 ) -> Result<Option<Drawn>, PaperError> {
     let settings = Settings {
-        transient_periods: TRANSIENT,
-        periods: MEASURED,
-        decide_early: false,
+        sampling: Sampling {
+            transient_periods: TRANSIENT,
+            periods: MEASURED,
+            decide_early: false,
+            ..Sampling::default()
+        },
         ..Settings::default()
     };
     let axis = axis(range, work.exponents);
@@ -318,10 +324,13 @@ fn below(
     const DEPTH: u32 = 40;
     let mut starts = STARTS.to_vec();
     let settings = Settings {
-        initial_states: work.tried - STARTS.len() as u32 + 1,
+        sampling: Sampling {
+            initial_states: work.tried - STARTS.len() as u32 + 1,
+            ..Sampling::default()
+        },
         ..Settings::default()
     };
-    starts.extend(initial_states::offsets(&settings));
+    starts.extend(initial_states::offsets(&settings.sampling));
     let first = found.value - f64::from(DEPTH) * ONSET_SPACING;
     let last = found.value - ONSET_SPACING;
     let scanned = first_chaos(h1, [first, last], &starts, observer)?;
@@ -351,8 +360,11 @@ fn trivial_exponent(effort: Effort) -> Row {
         Effort::Quick => 16,
     };
     let settings = Settings {
-        transient_periods: TRANSIENT,
-        periods,
+        sampling: Sampling {
+            transient_periods: TRANSIENT,
+            periods,
+            ..Sampling::default()
+        },
         ..Settings::default()
     };
     let largest = [1.0, 3.5, 3.9, 6.0, 9.0]

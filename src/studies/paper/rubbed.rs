@@ -10,7 +10,7 @@ use crate::backend::cpu::CpuBackend;
 use crate::design::Design;
 use crate::dynamics::history::{History, Sample, history};
 use crate::engine::Backends;
-use crate::experiment::{Precision, Preset, Scheme, Settings};
+use crate::experiment::{Precision, Preset, Sampling, Scheme, Settings};
 use crate::measure::{Class, Measurement};
 use crate::output::histories::{self, Course, courses, curve};
 use crate::output::panel::Panel;
@@ -29,8 +29,8 @@ const HIGH: f64 = 3.9;
 struct Work {
     /// Samples of a history in each forcing period.
     samples: u32,
-    /// Settings of the exponents and periods in figure 5.1.
-    settings: Settings,
+    /// Of the exponents and periods in figure 5.1.
+    sampling: Sampling,
     /// Forcing periods of a chaotic orbit in it.
     shown: u32,
 }
@@ -40,15 +40,15 @@ impl Work {
         match effort {
             Effort::Full => Self {
                 samples: 256,
-                settings: Settings::default(),
+                sampling: Sampling::default(),
                 shown: 60,
             },
             Effort::Quick => Self {
                 samples: 32,
-                settings: Settings {
+                sampling: Sampling {
                     transient_periods: 150,
                     periods: 150,
-                    ..Settings::default()
+                    ..Sampling::default()
                 },
                 shown: 20,
             },
@@ -57,10 +57,7 @@ impl Work {
 
     /// The full model's history from the start, whether or not there are heat and wear.
     fn follow(&self, at: &ParameterSet, periods: u32) -> History {
-        let settings = Settings::default()
-            .for_model(true)
-            .expect("the default scheme suits every model");
-        history(at, &settings, 0..periods, self.samples)
+        history(at, &Scheme::Radau.into(), 0..periods, self.samples)
     }
 }
 
@@ -138,10 +135,12 @@ pub fn figure_5_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
         let is_chaotic = m.class == Some(Class::Chaotic);
         let shown = if is_chaotic { work.shown } else { SHOWN };
         let settings = Settings {
-            transient_periods: TRANSIENT,
-            periods: shown,
-            scheme: Some(Scheme::Radau),
-            ..Settings::default()
+            integration: Scheme::Radau.into(),
+            sampling: Sampling {
+                transient_periods: TRANSIENT,
+                periods: shown,
+                ..Sampling::default()
+            },
         };
         let path = path(&point, &settings, work.samples).points;
         if observer().is_break() {
@@ -190,7 +189,11 @@ fn measured(work: &Work, point: &ParameterSet, observer: &mut Observer<'_>) -> R
     let design = Design::product(Vec::new(), (*point).into());
     let mut backends = Backends::new(Box::new(CpuBackend::new(Precision::F64)), None);
     let observer = &mut |_: crate::engine::Event<'_>| observer();
-    let measured = backends.measure(&design, &work.settings, &[0], observer)?;
+    let settings = Settings {
+        integration: Scheme::suited(point.is_rubbed()).into(),
+        sampling: work.sampling,
+    };
+    let measured = backends.measure(&design, &settings, &[0], observer)?;
     Ok(measured.map(|measured| measured[0]))
 }
 
@@ -414,9 +417,7 @@ fn single(panel: Panel, caption: Vec<String>, rows: Vec<Row>, data: Data) -> Out
 /// The caption of a figure whose curves differ in zeta_k and in what is `varied`; the numbers of all curves are told, since one
 /// number means one curve in all figures.
 fn words(at: &ParameterSet, varied: &[Parameter], id: &str, numerics: &str) -> Vec<String> {
-    let settings = Settings::default()
-        .for_model(true)
-        .expect("the default scheme suits every model");
+    let settings = Settings::from(Scheme::Radau);
     // there is no ramp
     let mut shown = vec![Parameter::ZetaK, Parameter::RampRate];
     shown.extend(varied);
@@ -427,7 +428,7 @@ fn words(at: &ParameterSet, varied: &[Parameter], id: &str, numerics: &str) -> V
             "{numerics}Biot number, ω̃ and the initial state are not in the paper, and reconstructed. {}, {} heat modes, {}. As \
              figure {id} of Awrejcewicz and Pyryev (2006). {PROGRAM}.",
             caption::scheme(&settings),
-            settings.modes(),
+            settings.integration.modes,
             caption::integrated_on([BackendKind::CpuF64].into_iter())
         ),
     ]

@@ -68,15 +68,15 @@ pub struct Run {
 
 impl Run {
     pub fn new(settings: &Settings, instances: u32) -> Self {
-        let window = stroboscope::window(settings.periods, settings.max_period);
+        let window = stroboscope::window(settings.sampling.periods, settings.sampling.max_period);
         Self {
             instances,
-            steps_per_period: settings.steps_per_period(),
-            renormalise_every: settings.renormalise_every,
-            unrecorded: settings.periods - window,
+            steps_per_period: settings.integration.steps_per_period,
+            renormalise_every: settings.integration.renormalise_every,
+            unrecorded: settings.sampling.periods - window,
             window,
-            max_period: settings.max_period,
-            period_tolerance: settings.period_tolerance as f32,
+            max_period: settings.sampling.max_period,
+            period_tolerance: settings.sampling.period_tolerance as f32,
         }
     }
 }
@@ -101,8 +101,8 @@ pub struct Parameters {
 impl Parameters {
     pub fn new(set: &ParameterSet, settings: &Settings) -> Self {
         let value = |parameter| set[parameter] as f32;
-        let steps = settings.steps_per_period();
-        let step_size = match settings.scheme() {
+        let steps = settings.integration.steps_per_period;
+        let step_size = match settings.integration.scheme {
             Scheme::Taylor => taylor::longest_step(set, steps),
             Scheme::Rk4 | Scheme::Radau => set.forcing_period() / f64::from(steps),
         };

@@ -26,8 +26,8 @@ impl Reduced {
     /// # Errors
     /// If a period has more steps than the drive table.
     pub fn new(settings: &Settings) -> Result<Self, BackendError> {
-        let steps_per_period = settings.steps_per_period();
-        if settings.scheme() == Scheme::Rk4 && steps_per_period > MAX_STEPS_PER_PERIOD {
+        let steps_per_period = settings.integration.steps_per_period;
+        if settings.integration.scheme == Scheme::Rk4 && steps_per_period > MAX_STEPS_PER_PERIOD {
             return Err(BackendError::Unsupported(format!(
                 "{steps_per_period} steps a period are more than the {MAX_STEPS_PER_PERIOD} that the GPU's drive table \
                  holds: use --backend cpu or fewer --steps-per-period"
@@ -69,7 +69,7 @@ impl Model for Reduced {
         let orbits: Vec<Orbit> = instances.iter().map(Orbit::start).collect();
         let tangents: Vec<Tangent> = vec![[1.0, 0.0]; instances.len()];
         self.write_run(context, buffers, settings, instances.len());
-        if settings.scheme() == Scheme::Rk4 {
+        if settings.integration.scheme == Scheme::Rk4 {
             buffers.write(context, binding::DRIVE, &layout::drive_entries(self.steps_per_period));
         }
         buffers.write(context, binding::PARAMETERS, &parameters);

@@ -57,7 +57,7 @@ pub(in crate::backend::gpu) fn slots(modes: u32) -> u32 {
 }
 
 fn heat_modes(settings: &Settings) -> usize {
-    slots(settings.modes()) as usize
+    slots(settings.integration.modes) as usize
 }
 
 /// With those of the tangents.
@@ -89,14 +89,14 @@ impl Run {
             reach,
             longest,
             swing,
-        } = Control::<f32>::new(settings);
-        let window = stroboscope::window(settings.periods, settings.max_period);
+        } = Control::<f32>::new(&settings.integration);
+        let window = stroboscope::window(settings.sampling.periods, settings.sampling.max_period);
         Self {
             instances,
-            unrecorded: settings.periods - window,
+            unrecorded: settings.sampling.periods - window,
             window,
-            max_period: settings.max_period,
-            period_tolerance: settings.period_tolerance as f32,
+            max_period: settings.sampling.max_period,
+            period_tolerance: settings.sampling.period_tolerance as f32,
             tolerance,
             newton,
             reach,

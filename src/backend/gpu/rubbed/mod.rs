@@ -35,7 +35,7 @@ impl Rubbed {
     /// # Errors
     /// If there are more heat modes, or fewer, than arrays in kernels hold.
     pub fn new(settings: &Settings, instances: &[ParameterSet]) -> Result<Self, BackendError> {
-        let modes = settings.modes();
+        let modes = settings.integration.modes;
         if !(1..=MAX_MODES).contains(&modes) {
             return Err(BackendError::Unsupported(format!(
                 "{modes} heat modes are not from 1 to the {MAX_MODES} that the GPU's kernels hold: set --modes"

@@ -1,0 +1,198 @@
+//! How instances are integrated: the stepping scheme, its steps and its tolerance, the number type.
+//!
+//! Owns their defaults and limits, and how what was asked for becomes what is done; integrates nothing.
+
+use serde::{Deserialize, Serialize};
+
+use super::{ExperimentError, in_range};
+
+/// The stepping scheme.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Scheme {
+    /// Taylor series of order 8, in steps that end at the boundaries of the friction layer.
+    Taylor,
+    /// The classical Runge-Kutta scheme of order 4 with a fixed step, as in the paper.
+    Rk4,
+    /// Radau IIA of order 5 for frictional heat and wear: exact heat modes, steps by an error tolerance that end at the
+    /// boundaries of the friction layer and where contact is lost.
+    Radau,
+}
+
+impl Scheme {
+    pub const ALL: [Self; 3] = [Self::Taylor, Self::Rk4, Self::Radau];
+
+    /// The name in files and commands.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Taylor => "taylor",
+            Self::Rk4 => "rk4",
+            Self::Radau => "radau",
+        }
+    }
+
+    /// The default where there is frictional heat or wear (`rubbed`), and where there is neither.
+    pub fn suited(rubbed: bool) -> Self {
+        if rubbed { Self::Radau } else { Self::Taylor }
+    }
+
+    /// Whether the scheme carries frictional heat and wear; the others hold the pressure at 1.
+    pub fn carries_heat(self) -> bool {
+        self == Self::Radau
+    }
+
+    /// Steps in a forcing period where none are asked for: of rk4 all, of the others the longest, to which the friction
+    /// layer adds.
+    pub fn default_steps_per_period(self) -> u32 {
+        match self {
+            Self::Taylor => 28,
+            Self::Rk4 => 628,
+            Self::Radau => 16,
+        }
+    }
+}
+
+/// The number type of the integration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Precision {
+    F32,
+    F64,
+}
+
+/// How instances are integrated.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Integration {
+    /// Stepping scheme.
+    pub scheme: Scheme,
+    /// Steps in a forcing period, of taylor and radau the longest ones.
+    pub steps_per_period: u32,
+    /// Heat modes of the shaft, besides the lumped one.
+    pub modes: u32,
+    /// Error of a step of radau: of v in units of 1 outside the friction layer and of its half-width inside it, of the pressure
+    /// relative.
+    pub tolerance: f64,
+    /// Steps of rk4 between two renormalisations of the tangent vectors; one ends every period besides.
+    pub renormalise_every: u32,
+    /// Number type; None is f64 on the CPU and f32 on a GPU.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub precision: Option<Precision>,
+}
+
+/// Heat modes where heat is conducted as fast as at the paper's preset.
+pub(super) const USUAL_MODES: u32 = 12;
+
+/// Most heat modes: what the GPU's kernels hold.
+pub const MAX_MODES: u32 = 64;
+
+impl From<Scheme> for Integration {
+    /// The defaults of a scheme.
+    fn from(scheme: Scheme) -> Self {
+        Self {
+            scheme,
+            steps_per_period: scheme.default_steps_per_period(),
+            modes: USUAL_MODES,
+            tolerance: 2e-4,
+            renormalise_every: 314,
+            precision: None,
+        }
+    }
+}
+
+impl Default for Integration {
+    /// That of a constant contact pressure.
+    fn default() -> Self {
+        Scheme::Taylor.into()
+    }
+}
+
+impl Integration {
+    /// Whether the scheme carries what there is: frictional heat and wear (`rubbed`), or a constant pressure.
+    ///
+    /// # Errors
+    /// If it does not.
+    pub fn check_model(&self, rubbed: bool) -> Result<(), ExperimentError> {
+        if rubbed && !self.scheme.carries_heat() {
+            return Err(ExperimentError::SchemeWithoutHeat {
+                scheme: self.scheme.name(),
+            });
+        }
+        Ok(())
+    }
+
+    pub(super) fn check(&self) -> Result<(), ExperimentError> {
+        // the clock of radau holds no longer steps in f32
+        let fewest = if self.scheme == Scheme::Radau { 16.0 } else { 8.0 };
+        in_range("steps_per_period", self.steps_per_period.into(), fewest, 100_000.0)?;
+        in_range("modes", self.modes.into(), 1.0, MAX_MODES.into())?;
+        in_range("tolerance", self.tolerance, 1e-9, 1e-2)?;
+        in_range("renormalise_every", self.renormalise_every.into(), 1.0, 100_000.0)
+    }
+}
+
+/// What is asked of the integration; what is left out is chosen to suit the experiment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct IntegrationRequest {
+    /// `taylor`, `rk4` or `radau`: by default radau where there is frictional heat or wear, else taylor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scheme: Option<Scheme>,
+    /// By default [`Scheme::default_steps_per_period`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steps_per_period: Option<u32>,
+    /// By default 12, and more where heat is conducted slowly.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub modes: Option<u32>,
+    /// By default 2e-4.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<f64>,
+    /// By default 314.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub renormalise_every: Option<u32>,
+    /// By default `f64` on the CPU and `f32` on a GPU.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub precision: Option<Precision>,
+}
+
+impl IntegrationRequest {
+    /// The integration of an experiment with frictional heat or wear (`rubbed`) or without; `enough_modes` gives the number of heat
+    /// modes where heat is carried and none is asked for.
+    ///
+    /// # Errors
+    /// If the scheme does not carry what there is.
+    pub(super) fn resolve(
+        &self,
+        rubbed: bool,
+        enough_modes: impl FnOnce() -> u32,
+    ) -> Result<Integration, ExperimentError> {
+        let scheme = self.scheme.unwrap_or(Scheme::suited(rubbed));
+        let default = Integration::from(scheme);
+        let mut integration = Integration {
+            scheme,
+            steps_per_period: self.steps_per_period.unwrap_or(default.steps_per_period),
+            modes: self.modes.unwrap_or(default.modes),
+            tolerance: self.tolerance.unwrap_or(default.tolerance),
+            renormalise_every: self.renormalise_every.unwrap_or(default.renormalise_every),
+            precision: self.precision,
+        };
+        integration.check_model(rubbed)?;
+        if self.modes.is_none() && scheme.carries_heat() {
+            integration.modes = enough_modes();
+        }
+        Ok(integration)
+    }
+}
+
+impl From<Integration> for IntegrationRequest {
+    /// Asks for all of it, so that a later default changes nothing.
+    fn from(integration: Integration) -> Self {
+        Self {
+            scheme: Some(integration.scheme),
+            steps_per_period: Some(integration.steps_per_period),
+            modes: Some(integration.modes),
+            tolerance: Some(integration.tolerance),
+            renormalise_every: Some(integration.renormalise_every),
+            precision: integration.precision,
+        }
+    }
+}
