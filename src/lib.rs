@@ -25,7 +25,7 @@
 //! | make an experiment | [`Experiment::builder`], with [`Axis`], [`Points`], [`Preset`] and machines ([`Description`]); [`Request::from_toml`] reads a file |
 //! | run it | [`run`] into memory; [`run_into`] into a [`MapStore`], or into a [`Sink`] of your own, with an observer that may stop it |
 //! | look at the results | [`Results`]: a column for each [`Quantity`], and the [`Class`] of a point; [`ParameterMap`]: the same over two axes, with [`map::border`] |
-//! | draw them | [`draw`]; with another style [`output::picture::draw`] |
+//! | draw them | [`draw`]; with another style [`picture::draw`] |
 //! | store and open them | [`MapStore::create`], [`MapStore::open`] |
 //! | measure some points | [`measure::measure_batch`] on a [`backend`] |
 //! | follow a point over time | [`dynamics::history::history`] |
@@ -55,7 +55,9 @@
 //! - [`results`], [`map`]: columns over a design; those over two axes, and the border of chaos;
 //! - [`engine`]: an experiment is cut into units, which are measured one by one and given to a sink; the audit;
 //! - [`analysis`]: orbits, bifurcation diagrams, sections, exponents over a line, thresholds, lifetimes of chaos;
-//! - [`output`]: stores, pictures and tables;
+//! - [`output`]: files that are there whole or not at all, and tables of numbers;
+//! - [`store`]: maps on disk as Zarr;
+//! - [`picture`]: maps and charts as PNG and SVG;
 //! - [`studies`]: benchmarks, and the paper's figures and numbers, computed anew.
 
 pub mod analysis;
@@ -71,7 +73,11 @@ pub mod measure;
 pub mod model;
 pub mod output;
 pub mod parameters;
+#[cfg(feature = "pictures")]
+pub mod picture;
 pub mod results;
+#[cfg(feature = "store")]
+pub mod store;
 pub mod studies;
 
 pub use self::design::{Axis, Points};
@@ -80,9 +86,9 @@ pub use self::experiment::{Device, Experiment, Integration, Preset, Request, Sam
 pub use self::machine::Description;
 pub use self::map::ParameterMap;
 pub use self::measure::{Class, Measurement, Quantity, Status};
-#[cfg(feature = "store")]
-pub use self::output::store::MapStore;
 pub use self::results::Results;
+#[cfg(feature = "store")]
+pub use self::store::MapStore;
 
 /// Draws a quantity of a map into a PNG file that carries the experiment.
 ///
@@ -93,6 +99,6 @@ pub fn draw(
     map: &ParameterMap,
     quantity: Quantity,
     path: impl AsRef<std::path::Path>,
-) -> Result<(), output::png::PngError> {
-    output::picture::draw(map, quantity, &output::picture::Style::default(), path.as_ref())
+) -> Result<(), picture::png::PngError> {
+    picture::draw(map, quantity, &picture::Style::default(), path.as_ref())
 }

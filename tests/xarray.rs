@@ -11,7 +11,7 @@ use tribochaos::design::Axis;
 use tribochaos::experiment::Request;
 use tribochaos::machine::{Description, TEMPLATE};
 use tribochaos::measure::{Class, Measurement, Status};
-use tribochaos::output::store::MapStore;
+use tribochaos::store::MapStore;
 
 fn has_xarray() -> bool {
     let found = Command::new("python3").args(["-c", "import xarray, zarr"]).output();

@@ -13,9 +13,10 @@ use tribochaos::design::{Axis, Coordinate, Fixed, Points};
 use tribochaos::engine::choice::{self, Choice};
 use tribochaos::engine::{self, initial_states};
 use tribochaos::experiment::{BackendChoice, Experiment, Request};
-use tribochaos::output::sheet::Sheet;
-use tribochaos::output::{charts, drawing, png, table};
+use tribochaos::output::csv;
 use tribochaos::parameters::{PARAMETERS, Parameter, ParameterSet};
+use tribochaos::picture::sheet::Sheet;
+use tribochaos::picture::{charts, drawing, png};
 
 use super::json::JsonArgs;
 use super::progress::{self, Progress};
@@ -299,9 +300,9 @@ impl Claim {
     ) -> Result<(), Failure> {
         let Some(name) = &self.name else { return Ok(()) };
         let path = drawing::with_ending(&drawing::with_ending(name, drawing), ".csv");
-        let experiment = table::experiment_comments(&self.experiment);
+        let experiment = csv::experiment_comments(&self.experiment);
         let comments: Vec<String> = notes.iter().cloned().chain(experiment).collect();
-        table::write_rows(&path, &comments, columns.as_ref(), rows).map_err(Failure::run)?;
+        csv::write_rows(&path, &comments, columns.as_ref(), rows).map_err(Failure::run)?;
         self.written.push(path);
         Ok(())
     }

@@ -9,10 +9,11 @@ use tribochaos::analysis::bifurcation::{Columns, diagram};
 use tribochaos::design::Axis;
 use tribochaos::engine::Event;
 use tribochaos::experiment::Request;
-use tribochaos::output::charts::{self, Component};
-use tribochaos::output::sheet::{SINGLE, Sheet};
-use tribochaos::output::{PROGRAM, caption};
+use tribochaos::output::PROGRAM;
 use tribochaos::parameters::Parameter;
+use tribochaos::picture::caption;
+use tribochaos::picture::charts::{self, Component};
+use tribochaos::picture::sheet::{SINGLE, Sheet};
 
 use super::analysis::{self, Claim, OutArgs, StartArgs};
 use super::request::{self, AskedAxis, ExperimentArgs};

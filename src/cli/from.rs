@@ -6,8 +6,9 @@ use std::path::Path;
 
 use anyhow::{Context, anyhow};
 use tribochaos::experiment::{Request, Sampling};
-use tribochaos::output::store::MapStore;
-use tribochaos::output::{drawing, png, table};
+use tribochaos::output::csv;
+use tribochaos::picture::{drawing, png};
+use tribochaos::store::MapStore;
 
 /// The experiment in a file, which is told by its ending, or in the folder of a store. What it leaves out of the sampling is that
 /// of `defaults`.
@@ -28,7 +29,7 @@ pub fn read(path: &Path, defaults: Sampling) -> anyhow::Result<Request> {
     let toml = match path.extension().and_then(|extension| extension.to_str()) {
         Some("png") => png::read_experiment(path)?,
         Some("svg") => drawing::experiment_in(&text()?).ok_or_else(|| none("drawing"))?,
-        Some("csv") => table::experiment_in(&text()?).ok_or_else(|| none("table"))?,
+        Some("csv") => csv::experiment_in(&text()?).ok_or_else(|| none("table"))?,
         _ => text()?,
     };
     Request::from_toml_over(&toml, defaults).with_context(|| format!("in {}", path.display()))

@@ -11,9 +11,11 @@ use tribochaos::dynamics::history::{History, Sample, history};
 use tribochaos::experiment::{BackendChoice, Experiment, Precision, Request, Sampling, Scheme};
 use tribochaos::machine::{Machine, Scale};
 use tribochaos::measure::Status;
-use tribochaos::output::sheet::Sheet;
-use tribochaos::output::{PROGRAM, caption, histories};
+use tribochaos::output::PROGRAM;
 use tribochaos::parameters::Parameter;
+use tribochaos::picture::caption;
+use tribochaos::picture::charts::histories;
+use tribochaos::picture::sheet::Sheet;
 
 use super::analysis::{self, Claim, OutArgs};
 use super::request::{self, ExperimentArgs};

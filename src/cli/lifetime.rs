@@ -9,9 +9,11 @@ use tribochaos::design::Coordinate;
 use tribochaos::engine::{Backends, Event, initial_states};
 use tribochaos::experiment::{Experiment, InitialBox, Request, Sampling};
 use tribochaos::machine::Scale;
-use tribochaos::output::sheet::Sheet;
-use tribochaos::output::{PROGRAM, caption, charts, survival};
+use tribochaos::output::PROGRAM;
 use tribochaos::parameters::Parameter;
+use tribochaos::picture::caption;
+use tribochaos::picture::charts::{self, survival};
+use tribochaos::picture::sheet::Sheet;
 
 use super::analysis::{self, Claim, OutArgs};
 use super::{Failure, si};

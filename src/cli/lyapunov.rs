@@ -11,9 +11,10 @@ use tribochaos::design::Axis;
 use tribochaos::engine;
 use tribochaos::experiment::{Experiment, Sampling, Settings};
 use tribochaos::measure::{Measurement, Status};
-use tribochaos::output::sheet::Sheet;
-use tribochaos::output::{PROGRAM, caption, charts};
+use tribochaos::output::PROGRAM;
 use tribochaos::parameters::Parameter;
+use tribochaos::picture::sheet::Sheet;
+use tribochaos::picture::{caption, charts};
 
 use super::analysis::{self, Claim, OutArgs, StartArgs};
 use super::onset::{Outcome, Search};

@@ -12,8 +12,8 @@ use tribochaos::engine::choice::{self, Choice};
 use tribochaos::engine::{self, Backends, Cause, EngineError, Sink, Table, Work, estimate};
 use tribochaos::experiment::{Experiment, Request};
 use tribochaos::map::ParameterMap;
-use tribochaos::output::picture::{self, Style};
-use tribochaos::output::store::MapStore;
+use tribochaos::picture::{self, Style};
+use tribochaos::store::MapStore;
 
 use super::json::JsonArgs;
 use super::outputs::Outputs;

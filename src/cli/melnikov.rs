@@ -9,9 +9,10 @@ use tribochaos::design::{Axis, Coordinate, Design, Fixed, Points};
 use tribochaos::experiment::Request;
 use tribochaos::machine::units::si;
 use tribochaos::model::melnikov::{self, Extremes, Melnikov, Threshold};
-use tribochaos::output::sheet::Sheet;
-use tribochaos::output::{PROGRAM, caption, charts};
+use tribochaos::output::PROGRAM;
 use tribochaos::parameters::Parameter;
+use tribochaos::picture::sheet::Sheet;
+use tribochaos::picture::{caption, charts};
 
 use super::analysis::{self, Claim, OutArgs};
 use super::request::SubjectArgs;

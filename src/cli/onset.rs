@@ -8,7 +8,7 @@ use tribochaos::design::{Axis, Design};
 use tribochaos::engine::{self, Backends};
 use tribochaos::experiment::{Experiment, Settings};
 use tribochaos::machine::units::si;
-use tribochaos::output::{caption, charts};
+use tribochaos::picture::{caption, charts};
 
 use super::{Failure, analysis};
 

@@ -10,9 +10,9 @@ use anyhow::{Context, anyhow, bail};
 use tribochaos::experiment::{Experiment, Request};
 use tribochaos::map::{self, ParameterMap};
 use tribochaos::measure::Quantity;
-use tribochaos::output::picture::{self, Style};
-use tribochaos::output::store::{self, MapStore};
-use tribochaos::output::{PROGRAM, csv, png};
+use tribochaos::output::{PROGRAM, csv};
+use tribochaos::picture::{self, Style, png};
+use tribochaos::store::{self, MapStore};
 
 /// Whether a file can be written at `path`, whose folders need not be there yet: found out before any work, by beginning
 /// one beside its place, or where the first missing folder would be, and taking it away again.

@@ -5,7 +5,7 @@
 use serde::Deserialize;
 use tribochaos::analysis::melnikov::curve_over_map;
 use tribochaos::experiment::Experiment;
-use tribochaos::output::picture::Overlay;
+use tribochaos::picture::Overlay;
 
 use super::Failure;
 

@@ -8,9 +8,10 @@ use tribochaos::analysis::path::path;
 use tribochaos::design::{Coordinate, Points};
 use tribochaos::experiment::Request;
 use tribochaos::measure::Status;
-use tribochaos::output::sheet::Sheet;
-use tribochaos::output::{PROGRAM, caption, charts};
+use tribochaos::output::PROGRAM;
 use tribochaos::parameters::Parameter;
+use tribochaos::picture::sheet::Sheet;
+use tribochaos::picture::{caption, charts};
 
 use super::analysis::{self, Claim, OutArgs, StartArgs};
 use super::request::{self, ExperimentArgs};

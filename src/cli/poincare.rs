@@ -9,9 +9,10 @@ use tribochaos::analysis::section::{self, ORBITS};
 use tribochaos::design::Coordinate;
 use tribochaos::engine::Event;
 use tribochaos::experiment::{InitialBox, Request, Sampling};
-use tribochaos::output::panel::Layer;
-use tribochaos::output::sheet::{SINGLE, Sheet};
-use tribochaos::output::{PROGRAM, caption, charts};
+use tribochaos::output::PROGRAM;
+use tribochaos::picture::layer::Layer;
+use tribochaos::picture::sheet::{SINGLE, Sheet};
+use tribochaos::picture::{caption, charts};
 
 use super::analysis::{self, Claim, OutArgs};
 use super::request::{self, ExperimentArgs};

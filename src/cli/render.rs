@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use anyhow::anyhow;
 use clap::Args;
 use tribochaos::measure::Quantity;
-use tribochaos::output::colour::ColourScale;
-use tribochaos::output::picture::Style;
-use tribochaos::output::store::MapStore;
+use tribochaos::picture::Style;
+use tribochaos::picture::colour::ColourScale;
+use tribochaos::store::MapStore;
 
 use super::json::JsonArgs;
 use super::outputs::{self, Outputs};

@@ -1,20 +1,82 @@
-//! The border of chaos as a table of comma-separated values.
+//! Tables of comma-separated values with comments that tell what they hold, and that of the border of chaos.
 //!
-//! Owns the columns and their notes; finds no border itself.
+//! Owns their form; computes nothing, and finds no border itself.
 
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::io::Write;
+use std::path::Path;
 
-use super::table::experiment_comments;
-use super::{PROGRAM, write_whole};
+use super::PROGRAM;
+use super::whole::{WriteError, write_whole};
 use crate::map::{ParameterMap, border};
+
+/// What stands above the lines of an experiment in the comments of a table.
+const HEADING: &str = "experiment:";
+
+/// Comments that hold an experiment in TOML.
+pub fn experiment_comments(toml: &str) -> impl Iterator<Item = String> + '_ {
+    let lines = toml.lines().filter(|line| !line.is_empty()).map(str::to_owned);
+    std::iter::once(HEADING.to_owned()).chain(lines)
+}
+
+/// The experiment in the comments of a table, if there is one.
+pub fn experiment_in(table: &str) -> Option<String> {
+    let comments = table.lines().map_while(|line| line.strip_prefix("# "));
+    let mut toml = comments.skip_while(|&comment| comment != HEADING);
+    toml.next()?;
+    Some(toml.map(|line| format!("{line}\n")).collect())
+}
+
+/// Writes a table: comments, the names of the columns, and rows of values. A value that is not finite is left empty.
+///
+/// # Errors
+/// [`WriteError`] if the file cannot be written.
+pub fn write_table<const N: usize>(
+    path: &Path,
+    comments: &[String],
+    columns: [&str; N],
+    rows: impl Iterator<Item = [f64; N]>,
+) -> Result<(), WriteError> {
+    write_rows(path, comments, &columns, rows)
+}
+
+/// As [`write_table`], with a number of columns that is known at run time only.
+///
+/// # Errors
+/// [`WriteError`] if the file cannot be written.
+pub fn write_rows(
+    path: &Path,
+    comments: &[String],
+    columns: &[impl AsRef<str>],
+    rows: impl Iterator<Item = impl AsRef<[f64]>>,
+) -> Result<(), WriteError> {
+    write_whole(path, |file| {
+        writeln!(file, "# {PROGRAM}")?;
+        for comment in comments {
+            writeln!(file, "# {comment}")?;
+        }
+        let names: Vec<&str> = columns.iter().map(AsRef::as_ref).collect();
+        writeln!(file, "{}", names.join(","))?;
+        for row in rows {
+            for (index, value) in row.as_ref().iter().enumerate() {
+                if index > 0 {
+                    write!(file, ",")?;
+                }
+                if value.is_finite() {
+                    write!(file, "{value}")?;
+                }
+            }
+            writeln!(file)?;
+        }
+        Ok(())
+    })
+}
 
 /// Writes the changes between chaos and regular or quasi-periodic motion along every row and every column of the map, one a
 /// line, in the units of the axes.
 ///
 /// # Errors
-/// [`CsvError`] if the file cannot be written.
-pub fn write_border(path: &Path, map: &ParameterMap) -> Result<(), CsvError> {
+/// [`WriteError`] if the file cannot be written.
+pub fn write_border(path: &Path, map: &ParameterMap) -> Result<(), WriteError> {
     let coordinates = [map.x_axis().coordinate, map.y_axis().coordinate];
     let [x, y] = coordinates.map(|coordinate| coordinate.name());
     let [x_words, y_words] = coordinates.map(|coordinate| {
@@ -48,26 +110,25 @@ pub fn write_border(path: &Path, map: &ParameterMap) -> Result<(), CsvError> {
         }
         Ok(())
     })
-    .map_err(|source| CsvError {
-        path: path.to_owned(),
-        source,
-    })
 }
 
-#[derive(Debug, thiserror::Error)]
-#[error("{} cannot be written: {source}; check the folder's permissions and the free space", path.display())]
-pub struct CsvError {
-    path: PathBuf,
-    source: io::Error,
-}
-
-#[cfg(all(test, feature = "pictures"))]
+#[cfg(test)]
 mod tests {
     use std::fs;
 
+    use super::super::samples;
     use super::*;
-    use crate::output::{samples, table::experiment_in};
 
+    #[test]
+    fn all_digits_are_kept_and_gaps_are_empty() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a/table.csv");
+        let rows = [[1.0 / 3.0, f64::NAN], [-2.0, 1e-3]];
+        write_table(&path, &["a comment".to_owned()], ["x", "y"], rows.into_iter()).unwrap();
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(text.ends_with("x,y\n0.3333333333333333,\n-2,0.001\n"));
+        assert!(text.starts_with(&format!("# {PROGRAM}\n# a comment\n")));
+    }
     #[test]
     fn changes_of_rows_and_columns_are_listed_with_all_digits() {
         let folder = tempfile::tempdir().unwrap();

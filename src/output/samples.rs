@@ -1,9 +1,8 @@
-//! Made-up maps for the tests of the output layer.
+//! Made-up maps for the tests of tables, stores and pictures.
 
 use crate::backend::{BackendKind, Contact};
 use crate::design::Axis;
 use crate::experiment::{Experiment, Request};
-use crate::machine::{Description, TEMPLATE};
 use crate::map::ParameterMap;
 use crate::measure::{Class, Measurement, Status};
 
@@ -16,7 +15,9 @@ pub fn experiment(x: &str, y: &str) -> Experiment {
 }
 
 /// As [`experiment`], of the machine that has the paper's preset.
+#[cfg(any(feature = "pictures", feature = "store"))]
 pub fn machine_experiment(x: &str, y: &str) -> Experiment {
+    use crate::machine::{Description, TEMPLATE};
     let request = Request {
         axes: Some(vec![Axis::parse(x).unwrap(), Axis::parse(y).unwrap()]),
         machine: Some(Description::from_toml(TEMPLATE).unwrap()),

@@ -13,10 +13,11 @@ use serde_json::json;
 use super::table::{Row, markdown};
 use super::{Effort, FIGURES, Figure, Outcome};
 use crate::output::PROGRAM;
-use crate::output::drawing::{with_ending, write_drawing};
-use crate::output::figure::FigureError;
-use crate::output::png::PngError;
-use crate::output::table::{TableError, write_rows, write_text};
+use crate::output::csv::write_rows;
+use crate::output::whole::{WriteError, write_text};
+use crate::picture::PictureError;
+use crate::picture::drawing::{with_ending, write_drawing};
+use crate::picture::png::PngError;
 
 /// The folder of the figures.
 pub struct Files {
@@ -162,11 +163,11 @@ fn digest(path: &Path) -> Result<(String, Digest), FilesError> {
 #[derive(Debug, thiserror::Error)]
 pub enum FilesError {
     #[error(transparent)]
-    Figure(#[from] FigureError),
+    Figure(#[from] PictureError),
     #[error(transparent)]
     Drawing(#[from] PngError),
     #[error(transparent)]
-    Table(#[from] TableError),
+    Table(#[from] WriteError),
     #[error("{} cannot be removed: {source}; check the folder's permissions", path.display())]
     Remove { path: PathBuf, source: io::Error },
     #[error("{} cannot be read again: {source}; check the disk", path.display())]

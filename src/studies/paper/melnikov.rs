@@ -6,9 +6,10 @@ use super::table::{Row, Value};
 use super::{Data, Effort, Observer, Outcome, PaperError};
 use crate::analysis::melnikov::{default_search, sampled};
 use crate::model::melnikov::{Melnikov, threshold};
-use crate::output::sheet::{BESIDE, Sheet};
-use crate::output::{PROGRAM, caption, charts};
+use crate::output::PROGRAM;
 use crate::parameters::{Parameter, ParameterSet};
+use crate::picture::sheet::{BESIDE, Sheet};
+use crate::picture::{caption, charts};
 
 /// A panel: damping, the amplitudes of the solid and of the broken curve, and the upper end of the paper's axis of M.
 struct Panel {

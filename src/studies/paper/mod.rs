@@ -1,7 +1,7 @@
 //! The paper's figures and numbers, computed anew.
 //!
 //! Owns which figures there are, with the paper's axes and parameters, and what the paper says of them; computes through
-//! [`crate::analysis`] and draws through [`crate::output`]. What the paper says is held beside what is computed, and never
+//! [`crate::analysis`] and draws through [`crate::picture`]. What the paper says is held beside what is computed, and never
 //! enters it.
 
 mod files;
@@ -19,8 +19,8 @@ use self::table::Row;
 use crate::analysis::melnikov::CurveError;
 use crate::backend::BackendError;
 use crate::model::melnikov::MelnikovError;
-use crate::output::figure::FigureError;
-use crate::output::sheet::Sheet;
+use crate::picture::PictureError;
+use crate::picture::sheet::Sheet;
 
 /// How much is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -138,7 +138,7 @@ pub enum PaperError {
     #[error(transparent)]
     Curve(#[from] CurveError),
     #[error(transparent)]
-    Figure(#[from] FigureError),
+    Figure(#[from] PictureError),
 }
 
 #[cfg(test)]

@@ -13,11 +13,12 @@ use crate::design::{Axis, Fixed};
 use crate::dynamics::spectrum::lyapunov_spectrum;
 use crate::engine::{Backends, initial_states};
 use crate::experiment::{Precision, Sampling, Settings};
-use crate::output::charts::{self, Component};
-use crate::output::panel::Panel;
-use crate::output::sheet::{BESIDE, Sheet};
-use crate::output::{PROGRAM, caption};
+use crate::output::PROGRAM;
 use crate::parameters::{Parameter, ParameterSet};
+use crate::picture::caption;
+use crate::picture::charts::{self, Component};
+use crate::picture::panel::Panel;
+use crate::picture::sheet::{BESIDE, Sheet};
 
 /// The paper's measured window begins at tau = 1200, after 382 forcing periods, and is 100 long.
 const TRANSIENT: u32 = 382;

@@ -12,11 +12,12 @@ use crate::dynamics::history::{History, Sample, history};
 use crate::engine::Backends;
 use crate::experiment::{Precision, Preset, Sampling, Scheme, Settings};
 use crate::measure::{Class, Measurement};
-use crate::output::histories::{self, Course, courses, curve};
-use crate::output::panel::Panel;
-use crate::output::sheet::Sheet;
-use crate::output::{PROGRAM, caption, charts};
+use crate::output::PROGRAM;
 use crate::parameters::{Parameter, ParameterSet};
+use crate::picture::charts::histories::{self, Course, courses, curve};
+use crate::picture::panel::Panel;
+use crate::picture::sheet::Sheet;
+use crate::picture::{caption, charts};
 
 /// The paper's gamma of heated curves, and its k_w of worn ones.
 const HEATED: f64 = 1.87;

@@ -2,7 +2,7 @@ use std::ops::ControlFlow;
 
 use super::table::{Row, Value, markdown};
 use super::*;
-use crate::output::panel::Layer;
+use crate::picture::layer::Layer;
 
 fn compute(id: &str) -> Outcome {
     let carry_on = &mut || ControlFlow::Continue(());

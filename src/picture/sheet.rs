@@ -2,10 +2,10 @@
 //!
 //! Owns where panels stand; what they hold is [`super::panel`]'s.
 
-use super::figure::{Figure, FigureError};
+use super::error::PictureError;
+use super::page::Page;
 use super::panel::{Panel, Room};
-use super::svg::words;
-use super::text::{self, wrap};
+use super::svg::paragraphs;
 
 /// Panels in rows of `columns`, their frames all of one size.
 #[derive(Clone, Debug)]
@@ -50,11 +50,11 @@ impl Sheet {
     }
 
     /// # Errors
-    /// [`FigureError::Drawing`] if a density cannot be encoded.
+    /// [`PictureError::Drawing`] if a density cannot be encoded.
     ///
     /// # Panics
     /// If there is no panel, or no column.
-    pub fn draw(&self) -> Result<Figure, FigureError> {
+    pub fn draw(&self) -> Result<Page, PictureError> {
         let frame = self.frame.map(f64::from);
         let rooms: Vec<Room> = self.panels.iter().map(|panel| panel.room(frame)).collect();
         let columns = self.columns.min(self.panels.len());
@@ -84,27 +84,20 @@ impl Sheet {
             }
             y = top + frame[1] + rooms.iter().map(|room| room.bottom).fold(0.0, f64::max).ceil();
         }
-        for paragraph in &self.caption {
-            for line in wrap(paragraph, CAPTION_SIZE, page_width - 2.0 * MARGIN) {
-                y += 1.4 * CAPTION_SIZE;
-                words(&mut svg, &line, MARGIN, y, CAPTION_SIZE, "start");
-            }
-        }
+        let line = page_width - 2.0 * MARGIN;
+        y = paragraphs(&mut svg, &self.caption, [MARGIN, y], CAPTION_SIZE, line);
         let (page_width, page_height) = (page_width.ceil() as u32, (y + MARGIN).ceil() as u32);
-        let background = format!("<rect width=\"{page_width}\" height=\"{page_height}\" fill=\"#ffffff\"/>\n");
-        Ok(Figure {
-            svg: text::document(page_width, page_height, &(background + &svg)),
-            width: page_width,
-            height: page_height,
-        })
+        Ok(Page::new(page_width, page_height, &svg))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::axis_scale::AxisScale;
     use super::super::colour;
     use super::super::density::Density;
-    use super::super::panel::{Layer, Scale, Stroke};
+    use super::super::layer::{Layer, Stroke};
+    use super::super::text;
     use super::*;
 
     fn panel(title: &str) -> Panel {
@@ -113,8 +106,8 @@ mod tests {
             .collect();
         Panel {
             title: title.to_owned(),
-            x: Scale::new("time τ", 0.0, 10.0),
-            y: Scale::around("angle x", points.iter().map(|point| point[1])),
+            x: AxisScale::new("time τ", 0.0, 10.0),
+            y: AxisScale::around("angle x", points.iter().map(|point| point[1])),
             layers: vec![
                 Layer::Density(Density::new(points.iter().copied(), [0.0, 10.0], [-1.0, 1.0], [62, 40])),
                 Layer::Curve {
@@ -136,22 +129,22 @@ mod tests {
             frame: BESIDE,
             caption: vec!["A caption of several words that is long enough to be wrapped. ".repeat(8)],
         };
-        let figure = sheet.draw().unwrap();
-        let tree = resvg::usvg::Tree::from_str(&figure.svg, text::options()).unwrap();
+        let page = sheet.draw().unwrap();
+        let tree = resvg::usvg::Tree::from_str(&page.svg, text::options()).unwrap();
         let bounds = tree.root().abs_layer_bounding_box();
         assert!(bounds.left() >= 0.0 && bounds.top() >= 0.0);
-        assert!(bounds.right() <= figure.width as f32 && bounds.bottom() <= figure.height as f32);
-        let pixels = figure.render().unwrap();
+        assert!(bounds.right() <= page.width as f32 && bounds.bottom() <= page.height as f32);
+        let pixels = page.render().unwrap();
         let inked = |x: u32, y: u32| pixels.pixel(x, y).unwrap().red() < 128;
-        let edges = (0..figure.height).any(|y| inked(0, y) || inked(figure.width - 1, y));
-        assert!(!edges && (0..figure.width).any(|x| (0..figure.height).any(|y| inked(x, y))));
+        let edges = (0..page.height).any(|y| inked(0, y) || inked(page.width - 1, y));
+        assert!(!edges && (0..page.width).any(|x| (0..page.height).any(|y| inked(x, y))));
     }
 
     #[test]
     fn an_empty_frame_says_so_and_has_neither_invented_ticks_nor_a_legend() {
-        let nowhere = |y: Scale, points: Vec<[f64; 2]>| Panel {
+        let nowhere = |y: AxisScale, points: Vec<[f64; 2]>| Panel {
             title: String::new(),
-            x: Scale::new("time τ", 0.0, 10.0),
+            x: AxisScale::new("time τ", 0.0, 10.0),
             y,
             layers: vec![
                 Layer::Level {
@@ -169,27 +162,25 @@ mod tests {
         };
         let svg = |panel: Panel| Sheet::single(panel, Vec::new()).draw().unwrap().svg;
         let empty = svg(nowhere(
-            Scale::around("angle x", [f64::NAN].into_iter()),
+            AxisScale::around("angle x", [f64::NAN].into_iter()),
             vec![[1.0, f64::NAN]; 3],
         ));
         assert!(empty.contains(">nothing to draw: every orbit ran away<"), "{empty}");
         assert!(!empty.contains("a curve") && !empty.contains("states per pixel"));
         // the ticks of the known axis alone
         assert!(empty.contains(">10<") && !empty.contains(">0.5<") && !empty.contains(">1.0<"));
-        let outside = svg(nowhere(Scale::new("angle x", 5.0, 6.0), vec![[1.0, 1.0], [2.0, 4.0]]));
+        let outside = svg(nowhere(
+            AxisScale::new("angle x", 5.0, 6.0),
+            vec![[1.0, 1.0], [2.0, 4.0]],
+        ));
         assert!(
             outside.contains(">nothing to draw: all of it lies outside the frame<") && !outside.contains("a curve")
         );
         // no point within, but the line crosses the frame
-        let crossing = svg(nowhere(Scale::new("angle x", 5.0, 6.0), vec![[1.0, 1.0], [2.0, 9.0]]));
+        let crossing = svg(nowhere(
+            AxisScale::new("angle x", 5.0, 6.0),
+            vec![[1.0, 1.0], [2.0, 9.0]],
+        ));
         assert!(crossing.contains("a curve") && !crossing.contains("nothing to draw"));
-    }
-
-    #[test]
-    fn scales_have_an_extent() {
-        for values in [vec![], vec![f64::NAN], vec![2.0], vec![0.0, 0.0], vec![1.0, 3.0]] {
-            let scale = Scale::around("", values.iter().copied());
-            assert!(scale.low < scale.high, "{values:?}");
-        }
     }
 }

@@ -1,79 +1,36 @@
-//! Pictures of maps: which colour every point has, and what the colours mean.
+//! Pictures of quantities: which colour every point of a map has, and what the colours mean.
 //!
-//! Owns the choice of colours, limits and legend for each quantity; the plot places and draws them.
+//! Owns the choice of colours and legend for each quantity; the plot places and draws them.
 
 use std::path::Path;
 
-use super::caption;
-use super::colour::{self, ColourScale, Rgb};
-use super::colour_bar::Bar;
-use super::figure::{Figure, FigureError};
-pub use super::plot::Overlay;
-use super::plot::{self, Cell, Kind, Plot};
-use super::png::{self, PngError};
-use super::ticks::{round_step, round_up};
-use crate::experiment::Experiment;
-use crate::machine::units::Unit;
+use super::paragraphs;
+use super::plot::{Cell, Kind, Plot};
+use super::style::Style;
+use super::values::{Shown, bar, label};
 use crate::map::{ParameterMap, drawn_border};
 use crate::measure::{Class, Quantity, Values};
-
-/// How a picture is drawn.
-#[derive(Clone, Debug)]
-pub struct Style {
-    /// Values at the ends of the colour bar, in SI units without a prefix where it is in SI; by default they are taken from
-    /// the data. A two-sided scale is always
-    /// centred at zero: its colours reach as far as the larger of the two.
-    pub limits: Option<(f64, f64)>,
-    pub colours: ColourScale,
-    /// Whether the border of chaos is drawn on the map of the exponent.
-    pub border: bool,
-    /// A curve from theory that is drawn over every map.
-    pub overlay: Option<Overlay>,
-    /// Width and height of the plotted map in pixels, met as nearly as whole pixels for each point allow.
-    pub size: [u32; 2],
-}
-
-impl Default for Style {
-    fn default() -> Self {
-        Self {
-            limits: None,
-            colours: ColourScale::default(),
-            border: true,
-            overlay: None,
-            size: [960, 640],
-        }
-    }
-}
-
-/// Checks, before anything is computed, that the map can be drawn.
-///
-/// # Errors
-/// [`FigureError::TooLarge`].
-///
-/// # Panics
-/// If the experiment has not two axes.
-pub fn check_size(experiment: &Experiment, style: &Style) -> Result<(), FigureError> {
-    let [x, y] = experiment.design.axes() else {
-        panic!("a map has two axes")
-    };
-    plot::cell_size(x.count(), y.count(), style.size).map(|_| ())
-}
+use crate::picture::caption;
+use crate::picture::colour::{self, Rgb};
+use crate::picture::error::PictureError;
+use crate::picture::page::Page;
+use crate::picture::png::{self, PngError};
 
 /// Draws a quantity of a map into a PNG file that carries the experiment.
 ///
 /// # Errors
 /// [`PngError`]: if the picture cannot be drawn, or not be written.
 pub fn draw(map: &ParameterMap, quantity: Quantity, style: &Style, path: &Path) -> Result<(), PngError> {
-    let figure = quantity_picture(map, quantity, style)?;
+    let page = quantity_picture(map, quantity, style)?;
     let title = format!("{} of the bush-shaft system", label(map, quantity));
-    png::write_png(path, &figure, &map.experiment.to_toml(), &[("Title", &title)])
+    png::write_png(path, &page, &map.experiment.to_toml(), &[("Title", &title)])
 }
 
 /// The map of any quantity; the exponent's and the period's are [`lyapunov_picture`] and [`period_picture`].
 ///
 /// # Errors
-/// [`FigureError::TooLarge`] or [`FigureError::Limits`].
-pub fn quantity_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -> Result<Figure, FigureError> {
+/// [`PictureError::TooLarge`] or [`PictureError::Limits`].
+pub fn quantity_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -> Result<Page, PictureError> {
     match quantity {
         Quantity::Lyapunov => lyapunov_picture(map, style),
         Quantity::Period => period_picture(map, style),
@@ -90,7 +47,7 @@ pub fn quantity_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -
 ///
 /// # Errors
 /// As [`quantity_picture`].
-pub fn lyapunov_picture(map: &ParameterMap, style: &Style) -> Result<Figure, FigureError> {
+pub fn lyapunov_picture(map: &ParameterMap, style: &Style) -> Result<Page, PictureError> {
     let kinds = vec![
         Kind::new(colour::QUASI_PERIODIC, "quasi-periodic"),
         Kind::new(colour::UNDECIDED, "undecided"),
@@ -112,7 +69,7 @@ pub fn lyapunov_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Fig
     });
     let bar = bar(Quantity::Lyapunov, &shown, &cells, style)?;
     let border = if style.border { drawn_border(map) } else { Vec::new() };
-    figure(
+    page(
         map,
         style,
         Plot {
@@ -128,8 +85,8 @@ pub fn lyapunov_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Fig
 /// The map of the period of the motion.
 ///
 /// # Errors
-/// [`FigureError::TooLarge`].
-pub fn period_picture(map: &ParameterMap, style: &Style) -> Result<Figure, FigureError> {
+/// [`PictureError::TooLarge`].
+pub fn period_picture(map: &ParameterMap, style: &Style) -> Result<Page, PictureError> {
     let mut kinds = count_kinds();
     let first_other = kinds.len();
     kinds.extend([
@@ -157,7 +114,7 @@ pub fn period_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Figur
         })
     });
     let heading = "Period of the motion, in forcing periods:".to_owned();
-    figure(
+    page(
         map,
         style,
         Plot {
@@ -169,7 +126,7 @@ pub fn period_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Figur
     )
 }
 
-fn attractors_picture(map: &ParameterMap, style: &Style) -> Result<Figure, FigureError> {
+fn attractors_picture(map: &ParameterMap, style: &Style) -> Result<Page, PictureError> {
     let mut kinds = count_kinds();
     let runaway = kinds.len();
     kinds.push(Kind::new(colour::RUNAWAY, "runaway"));
@@ -188,7 +145,7 @@ fn attractors_picture(map: &ParameterMap, style: &Style) -> Result<Figure, Figur
         }
     };
     let cells = cells(map, |index| Cell::Kind(kind(index)));
-    figure(
+    page(
         map,
         style,
         Plot {
@@ -225,7 +182,7 @@ fn heading(quantity: Quantity) -> String {
     format!("{}:", caption::capitalised(quantity.info().label))
 }
 
-fn number_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -> Result<Figure, FigureError> {
+fn number_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -> Result<Page, PictureError> {
     let missing = match quantity {
         Quantity::ContactTime => "contact held",
         _ => "not applicable",
@@ -245,7 +202,7 @@ fn number_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -> Resu
         _ => Cell::Kind(0),
     });
     let bar = bar(quantity, &shown, &cells, style)?;
-    figure(
+    page(
         map,
         style,
         Plot {
@@ -257,7 +214,7 @@ fn number_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -> Resu
     )
 }
 
-fn code_picture(map: &ParameterMap, quantity: Quantity, names: &[&str], style: &Style) -> Result<Figure, FigureError> {
+fn code_picture(map: &ParameterMap, quantity: Quantity, names: &[&str], style: &Style) -> Result<Page, PictureError> {
     let colours = match quantity {
         Quantity::Class => Class::ALL.map(class_colour).to_vec(),
         Quantity::ContactStatus => vec![colour::PERIODS[0], colour::PERIODS[1]],
@@ -283,7 +240,7 @@ fn code_picture(map: &ParameterMap, quantity: Quantity, names: &[&str], style: &
         })
     });
     let heading = heading(quantity);
-    figure(
+    page(
         map,
         style,
         Plot {
@@ -326,149 +283,12 @@ fn cells(map: &ParameterMap, cell: impl Fn(usize) -> Cell) -> Vec<Cell> {
         .collect()
 }
 
-/// Quantities whose zero separates two kinds of values.
-fn is_two_sided(quantity: Quantity) -> bool {
-    matches!(
-        quantity,
-        Quantity::Lyapunov | Quantity::LyapunovSecond | Quantity::LyapunovBirkhoff | Quantity::X | Quantity::Y
-    )
-}
-
-/// The values of a quantity as they are drawn: in SI units where there is a machine and the quantity has one.
-struct Shown {
-    values: Vec<f64>,
-    /// Words of the colour bar, with the unit.
-    label: String,
-    /// What a value in plain units is multiplied with.
-    factor: f64,
-}
-
-impl Shown {
-    fn of(map: &ParameterMap, quantity: Quantity) -> Self {
-        if let Some((values, unit)) = map.si_column(quantity) {
-            let finite = values.iter().filter(|value| value.is_finite());
-            let largest = finite.fold(0.0, |largest: f64, value| largest.max(value.abs()));
-            let unit = Unit::suited(unit, largest);
-            return Self {
-                values: values.iter().map(|value| unit.factor * value).collect(),
-                label: format!("{}{}", label(map, quantity), unit.bracketed()),
-                factor: unit.factor,
-            };
-        }
-        let units = match quantity.info().units {
-            "1" => String::new(),
-            units => format!(" ({})", units.replace("tau", "τ")),
-        };
-        Self {
-            values: map.column(quantity).to_vec(),
-            label: format!("{}{units}", label(map, quantity)),
-            factor: 1.0,
-        }
-    }
-}
-
-/// What a quantity is called in pictures of a map.
-pub fn label(map: &ParameterMap, quantity: Quantity) -> &'static str {
-    let experiment = &map.experiment;
-    match quantity {
-        Quantity::Lyapunov if experiment.wears() => "Lyapunov exponent of finite time, λ₁",
-        _ if experiment.design.fixed.machine().is_some() => quantity.si_label(),
-        _ => quantity.info().label,
-    }
-}
-
-/// The colour bar; none if there is no value that it would explain.
-fn bar(quantity: Quantity, shown: &Shown, cells: &[Cell], style: &Style) -> Result<Option<Bar>, FigureError> {
-    if let Some((low, high)) = style.limits
-        && !(low < high && low.is_finite() && high.is_finite())
-    {
-        return Err(FigureError::Limits { low, high });
-    }
-    let mut values: Vec<f64> = cells
-        .iter()
-        .filter_map(|cell| {
-            if let Cell::Value(value) = cell {
-                Some(*value)
-            } else {
-                None
-            }
-        })
-        .collect();
-    if values.is_empty() {
-        return Ok(None);
-    }
-    values.sort_unstable_by(f64::total_cmp);
-    let (least, greatest) = (values[0], values[values.len() - 1]);
-    let two_sided = is_two_sided(quantity);
-    let limits = style
-        .limits
-        .map(|(low, high)| (shown.factor * low, shown.factor * high));
-    let (low, high) = limits.unwrap_or_else(|| if two_sided { symmetric(&values) } else { span(&values) });
-    let colours = style.colours;
-    let reach = low.abs().max(high.abs());
-    Ok(Some(Bar {
-        label: shown.label.clone(),
-        low,
-        high,
-        below: least < low,
-        above: greatest > high,
-        colour: Box::new(move |value| {
-            let value = value.clamp(low, high);
-            if two_sided {
-                colours.two_sided(value / reach)
-            } else {
-                colours.sequential((value - low) / (high - low))
-            }
-        }),
-    }))
-}
-
-/// Limits around zero, from sorted values. A few extremes must not pale all the rest; and where some values are
-/// positive, they set the scale: a chaotic exponent is small beside those of strongly damped motion, which is no reason
-/// to hide it.
-fn symmetric(values: &[f64]) -> (f64, f64) {
-    let positive = &values[values.partition_point(|value| *value <= 0.0)..];
-    let reach = if positive.is_empty() {
-        quantile(values, 0.01).abs()
-    } else {
-        1.25 * quantile(positive, 0.99)
-    };
-    // All values may be zero.
-    let reach = if reach > 0.0 { round_up(reach) } else { 1.0 };
-    (-reach, reach)
-}
-
-/// Round limits between which nearly all of the sorted values lie.
-fn span(values: &[f64]) -> (f64, f64) {
-    let (low, high) = (quantile(values, 0.01), quantile(values, 0.99));
-    // A single value is given the middle of a scale around it.
-    let width = if high > low {
-        high - low
-    } else {
-        2.0 * low.abs().max(1.0)
-    };
-    let (low, high) = if high > low {
-        (low, high)
-    } else {
-        (low - width / 2.0, low + width / 2.0)
-    };
-    let step = round_step(width / 10.0);
-    ((low / step).floor() * step, (high / step).ceil() * step)
-}
-
-fn quantile(sorted: &[f64], fraction: f64) -> f64 {
-    sorted[((sorted.len() - 1) as f64 * fraction).round() as usize]
-}
-
-fn figure(map: &ParameterMap, style: &Style, mut plot: Plot) -> Result<Figure, FigureError> {
+/// The plot on its page, above its caption.
+fn page(map: &ParameterMap, style: &Style, mut plot: Plot) -> Result<Page, PictureError> {
     plot.overlay = style.overlay.clone();
-    let mut caption = caption::of(map);
+    let mut caption = paragraphs::of(map);
     if !plot.border.is_empty() {
-        caption.push(caption::border(map));
+        caption.push(paragraphs::border(map));
     }
     plot.draw(style.size, &caption)
 }
-
-#[cfg(test)]
-#[path = "picture_tests.rs"]
-mod tests;

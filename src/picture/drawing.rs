@@ -1,13 +1,12 @@
-//! Files of drawings: PNG and SVG of one figure, with the experiment that they show.
+//! Files of drawings: PNG and SVG of one page, with the experiment that they show.
 //!
-//! Owns where an SVG file keeps it; the figure comes from a sheet, the experiment from whoever computed it.
+//! Owns where an SVG file keeps it; the page comes from a sheet, the experiment from whoever computed it.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::figure::Figure;
+use super::page::Page;
 use super::png::{self, PngError};
-use super::write_whole;
+use crate::output::whole::write_text;
 
 /// What stands around an experiment in an SVG file.
 const METADATA: [&str; 2] = ["<metadata>", "</metadata>\n"];
@@ -25,16 +24,12 @@ const ESCAPED: [(&str, &str); 3] = [("&", "&amp;"), ("<", "&lt;"), (">", "&gt;")
 /// Writes `NAME.svg` and `NAME.png`, the latter last; both hold the experiment, in TOML. Where the PNG file is there, both are.
 ///
 /// # Errors
-/// [`PngError::Figure`] if the figure cannot be drawn, [`PngError::Write`] if a file cannot be written.
-pub fn write_drawing(name: &Path, figure: &Figure, title: &str, experiment: &str) -> Result<[PathBuf; 2], PngError> {
+/// [`PngError::Picture`] if the page cannot be drawn, [`PngError::Write`] if a file cannot be written.
+pub fn write_drawing(name: &Path, page: &Page, title: &str, experiment: &str) -> Result<[PathBuf; 2], PngError> {
     let svg = with_ending(name, ".svg");
-    let text = with_metadata(&figure.svg, experiment);
-    write_whole(&svg, |file| file.write_all(text.as_bytes())).map_err(|source| PngError::Write {
-        path: svg.clone(),
-        source,
-    })?;
+    write_text(&svg, &with_metadata(&page.svg, experiment))?;
     let png = with_ending(name, ".png");
-    png::write_png(&png, figure, experiment, &[("Title", title)])?;
+    png::write_png(&png, page, experiment, &[("Title", title)])?;
     Ok([png, svg])
 }
 
@@ -62,23 +57,18 @@ pub fn experiment_in(svg: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::text;
 
     #[test]
     fn both_files_are_written_and_the_experiment_comes_back() {
         let folder = tempfile::tempdir().unwrap();
-        let figure = Figure {
-            svg: text::document(8, 8, "<rect width=\"8\" height=\"8\" fill=\"#00ff00\"/>"),
-            width: 8,
-            height: 8,
-        };
+        let page = Page::new(8, 8, "<rect width=\"8\" height=\"8\" fill=\"#00ff00\"/>");
         let name = folder.path().join("figure-3.1");
         let experiment = "command = \"phase\"\n# a < b & c > d\n";
-        let [png, svg] = write_drawing(&name, &figure, "a title", experiment).unwrap();
+        let [png, svg] = write_drawing(&name, &page, "a title", experiment).unwrap();
         assert!(png.ends_with("figure-3.1.png"));
         assert_eq!(png::read_experiment(&png).unwrap(), experiment);
         let svg = std::fs::read_to_string(svg).unwrap();
         assert_eq!(experiment_in(&svg).as_deref(), Some(experiment));
-        assert_eq!(experiment_in(&figure.svg), None);
+        assert_eq!(experiment_in(&page.svg), None);
     }
 }

@@ -1,4 +1,4 @@
-//! PNG files of figures, with the experiment inside.
+//! PNG files of pages, with the experiment inside.
 //!
 //! Owns the text chunks that make a picture reproducible; draws nothing.
 
@@ -8,27 +8,29 @@ use std::path::{Path, PathBuf};
 
 use ::png::{BitDepth, ColorType, DecodeOptions, Decoder, DecodingError, Encoder, SrgbRenderingIntent};
 
-use super::figure::{Figure, FigureError};
-use super::{PROGRAM, write_whole};
+use super::error::PictureError;
+use super::page::Page;
+use crate::output::PROGRAM;
+use crate::output::whole::{WriteError, write_whole};
 
 /// Keyword of the text chunk that holds the experiment as TOML.
 pub const EXPERIMENT_KEYWORD: &str = "tribochaos-experiment";
 
-/// Renders a figure into a PNG file with the experiment's TOML, the program's name, and further texts, each with its
+/// Renders a page into a PNG file with the experiment's TOML, the program's name, and further texts, each with its
 /// keyword (Latin letters, at most 79).
 ///
 /// # Errors
-/// [`PngError::Figure`] if it cannot be drawn, [`PngError::Write`] if it cannot be written.
-pub fn write_png(path: &Path, figure: &Figure, experiment: &str, texts: &[(&str, &str)]) -> Result<(), PngError> {
-    let pixels = figure.render()?;
-    // Figures are opaque.
+/// [`PngError::Picture`] if it cannot be drawn, [`PngError::Write`] if it cannot be written.
+pub fn write_png(path: &Path, page: &Page, experiment: &str, texts: &[(&str, &str)]) -> Result<(), PngError> {
+    let pixels = page.render()?;
+    // Pages are opaque.
     let rgb: Vec<u8> = pixels
         .data()
         .chunks_exact(4)
         .flat_map(|pixel| [pixel[0], pixel[1], pixel[2]])
         .collect();
     write_whole(path, |file| {
-        let mut encoder = Encoder::new(file, figure.width, figure.height);
+        let mut encoder = Encoder::new(file, page.width, page.height);
         encoder.set_color(ColorType::Rgb);
         encoder.set_depth(BitDepth::Eight);
         encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
@@ -42,11 +44,8 @@ pub fn write_png(path: &Path, figure: &Figure, experiment: &str, texts: &[(&str,
         writer.write_image_data(&rgb)?;
         writer.finish()?;
         Ok(())
-    })
-    .map_err(|source| PngError::Write {
-        path: path.to_owned(),
-        source,
-    })
+    })?;
+    Ok(())
 }
 
 /// Reads the experiment's TOML from a PNG file, after checking that the whole file is sound.
@@ -91,9 +90,9 @@ fn read_text(path: &Path) -> Result<Option<String>, PngError> {
 #[derive(Debug, thiserror::Error)]
 pub enum PngError {
     #[error(transparent)]
-    Figure(#[from] FigureError),
-    #[error("{} cannot be written: {source}; check the folder's permissions and the free space", path.display())]
-    Write { path: PathBuf, source: io::Error },
+    Picture(#[from] PictureError),
+    #[error(transparent)]
+    Write(#[from] WriteError),
     #[error("{} cannot be read: {source}", path.display())]
     Read { path: PathBuf, source: io::Error },
     #[error("{} is no PNG file: give a picture that `tribochaos` wrote", path.display())]
@@ -113,15 +112,9 @@ mod tests {
     use std::fs;
 
     use super::*;
-    use crate::output::text;
 
-    fn figure() -> Figure {
-        let content = "<rect width=\"40\" height=\"30\" fill=\"#ff8000\"/>";
-        Figure {
-            svg: text::document(40, 30, content),
-            width: 40,
-            height: 30,
-        }
+    fn page() -> Page {
+        Page::new(40, 30, "<rect width=\"40\" height=\"30\" fill=\"#ff8000\"/>")
     }
 
     #[test]
@@ -129,7 +122,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("new/a.png");
         let toml = "# ζₖ\nkey = \"value\"\n";
-        write_png(&path, &figure(), toml, &[("Description", "a λ₁ map")]).unwrap();
+        write_png(&path, &page(), toml, &[("Description", "a λ₁ map")]).unwrap();
         assert_eq!(read_experiment(&path).unwrap(), toml);
         let mut reader = Decoder::new(BufReader::new(File::open(&path).unwrap()))
             .read_info()
@@ -159,7 +152,7 @@ mod tests {
         fs::write(&path, "no picture").unwrap();
         assert!(reason().contains("is no PNG"));
 
-        write_png(&path, &figure(), "a = 1", &[]).unwrap();
+        write_png(&path, &page(), "a = 1", &[]).unwrap();
         let whole = fs::read(&path).unwrap();
         for length in 8..whole.len() {
             fs::write(&path, &whole[..length]).unwrap();
@@ -188,7 +181,7 @@ mod tests {
     fn a_picture_that_cannot_be_written_is_named() {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("file"), "").unwrap();
-        let error = write_png(&folder.path().join("file/a.png"), &figure(), "", &[])
+        let error = write_png(&folder.path().join("file/a.png"), &page(), "", &[])
             .unwrap_err()
             .to_string();
         assert!(error.contains("a.png cannot be written"), "{error}");

@@ -2,11 +2,13 @@
 //!
 //! Owns which quantities are drawn, their words and how a long curve is thinned; follows no instance and places no panel.
 
-use super::charts::{FAINT, Limits, colour_of, scale};
-use super::panel::{Layer, Panel, Scale, Stroke};
+use super::shared::{Ends, FAINT, colour_of, scale};
 use crate::dynamics::history::{History, Sample};
 use crate::machine::Scales;
 use crate::machine::units::{Unit, si};
+use crate::picture::axis_scale::AxisScale;
+use crate::picture::layer::{Layer, Stroke};
+use crate::picture::panel::Panel;
 
 const TIME: &str = "time τ";
 
@@ -30,7 +32,7 @@ struct Drawn {
     of: fn(&Sample) -> f64,
 }
 
-const QUANTITIES: [Drawn; 5] = [
+const DRAWN: [Drawn; 5] = [
     Drawn {
         label: PRESSURE,
         si: ("pressure P", "Pa", |scales| scales.pressure),
@@ -79,9 +81,9 @@ pub fn stacked(history: &History, scales: Option<&Scales>) -> Vec<Panel> {
     // a run that was given up at once still needs an axis
     let end = if end > 0.0 { end } else { 1.0 };
     let (time_label, time_factor) = worded(TIME, SI_TIME, scales, end);
-    let time = Scale::new(&time_label, 0.0, time_factor * end);
-    let lowest = QUANTITIES.len() - 1;
-    let panels = QUANTITIES.iter().enumerate().map(|(index, drawn)| {
+    let time = AxisScale::new(&time_label, 0.0, time_factor * end);
+    let lowest = DRAWN.len() - 1;
+    let panels = DRAWN.iter().enumerate().map(|(index, drawn)| {
         let values = history.samples.iter().map(drawn.of);
         let largest = values.fold(0.0, |largest: f64, value| largest.max(value.abs()));
         let (label, factor) = worded(drawn.label, drawn.si, scales, largest);
@@ -128,7 +130,7 @@ pub fn stacked(history: &History, scales: Option<&Scales>) -> Vec<Panel> {
             } else {
                 time.clone()
             },
-            y: Scale::around(&label, history.samples.iter().map(value)),
+            y: AxisScale::around(&label, history.samples.iter().map(value)),
             layers,
             nothing: NOTHING.to_owned(),
         }
@@ -152,7 +154,7 @@ pub struct Course {
 }
 
 /// Several curves over time in one panel.
-pub fn courses(label: &str, courses: &[Course], x: Limits, y: Limits) -> Panel {
+pub fn courses(label: &str, courses: &[Course], x: Ends, y: Ends) -> Panel {
     let points = || courses.iter().flat_map(|course| course.points.iter());
     let layers = courses.iter().map(|course| Layer::Curve {
         name: course.name.clone(),
@@ -194,9 +196,9 @@ fn thinned(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sheet::Sheet;
-    use super::super::text;
     use super::*;
+    use crate::picture::sheet::Sheet;
+    use crate::picture::text;
 
     fn made_up(count: usize) -> History {
         let sample = |k: usize| {
@@ -233,13 +235,13 @@ mod tests {
                     .all(|panel| panel.x.low < panel.x.high && panel.y.low < panel.y.high)
             );
             assert_eq!(panels.iter().filter(|panel| !panel.x.is_bare).count(), 1);
-            let figure = Sheet::stacked(panels, vec!["a caption".to_owned()]).draw().unwrap();
-            assert_eq!(figure.svg.matches("> = 7.250<").count(), 1);
-            assert_eq!(figure.svg.matches(">time τ<").count(), 1);
-            let tree = resvg::usvg::Tree::from_str(&figure.svg, text::options()).unwrap();
+            let page = Sheet::stacked(panels, vec!["a caption".to_owned()]).draw().unwrap();
+            assert_eq!(page.svg.matches("> = 7.250<").count(), 1);
+            assert_eq!(page.svg.matches(">time τ<").count(), 1);
+            let tree = resvg::usvg::Tree::from_str(&page.svg, text::options()).unwrap();
             let bounds = tree.root().abs_layer_bounding_box();
             assert!(bounds.left() >= 0.0 && bounds.top() >= 0.0);
-            assert!(bounds.right() <= figure.width as f32 && bounds.bottom() <= figure.height as f32);
+            assert!(bounds.right() <= page.width as f32 && bounds.bottom() <= page.height as f32);
         }
     }
 

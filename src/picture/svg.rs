@@ -1,11 +1,11 @@
-//! The few SVG elements that figures consist of.
+//! The few SVG elements that pictures consist of.
 //!
 //! Owns their text; places nothing.
 
 use std::fmt::Write as _;
 
 use super::colour::Rgb;
-use super::text::{is_plain, marked_up, width};
+use super::text::{is_plain, marked_up, width, wrap};
 
 /// A line of text with its anchor, `start`, `middle` or `end`, on the baseline `y`.
 pub fn words(svg: &mut String, text: &str, x: f64, y: f64, size: f64, anchor: &str) {
@@ -28,6 +28,15 @@ fn anchored<'a>(text: &str, size: f64, anchor: &'a str) -> (f64, &'a str) {
     }
 }
 
+/// Paragraphs from the left end `x` down from `y`, in lines of at most `limit` pixels; the baseline of the last.
+pub fn paragraphs(svg: &mut String, paragraphs: &[String], [x, mut y]: [f64; 2], size: f64, limit: f64) -> f64 {
+    for line in paragraphs.iter().flat_map(|paragraph| wrap(paragraph, size, limit)) {
+        y += 1.4 * size;
+        words(svg, &line, x, y, size, "start");
+    }
+    y
+}
+
 /// Text that runs upwards, with its middle at `y`.
 pub fn upright(svg: &mut String, text: &str, x: f64, y: f64, size: f64) {
     let (shift, anchor) = anchored(text, size, "middle");
@@ -45,6 +54,23 @@ pub fn line(svg: &mut String, [x1, y1, x2, y2]: [f64; 4], stroke: f64) {
         svg,
         "<path d=\"M{x1:.2} {y1:.2}L{x2:.2} {y2:.2}\" stroke=\"#000000\" stroke-width=\"{stroke}\"/>"
     );
+}
+
+/// Moves and lines through places; one that is not finite parts the line.
+pub fn path(places: impl Iterator<Item = (f64, f64)>) -> String {
+    let mut path = String::new();
+    let mut is_drawing = false;
+    for (x, y) in places {
+        if !(x.is_finite() && y.is_finite()) {
+            is_drawing = false;
+            continue;
+        }
+        // far outside the frame coordinates would lose their digits
+        let (x, y) = (x.clamp(-1e5, 1e5), y.clamp(-1e5, 1e5));
+        let _ = write!(path, "{}{x:.2} {y:.2}", if is_drawing { 'L' } else { 'M' });
+        is_drawing = true;
+    }
+    path
 }
 
 pub fn hatch(svg: &mut String, unit: f64) {

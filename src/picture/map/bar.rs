@@ -1,14 +1,14 @@
 //! The colour bar beside a map.
 //!
-//! Owns its ticks and drawing; the picture chooses its limits and colours.
+//! Owns its ticks and drawing; others choose its limits and colours.
 
 use std::fmt::Write as _;
 
-use super::colour::Rgb;
-use super::plot::Layout;
-use super::svg::{hex, line, upright, words};
-use super::text::{widest, wrap};
-use super::ticks::{Tick, number, rounded, ticks};
+use super::layout::Layout;
+use crate::picture::colour::Rgb;
+use crate::picture::svg::{hex, line, upright, words};
+use crate::picture::text::{widest, wrap};
+use crate::picture::ticks::{Tick, number, rounded, ticks};
 
 /// A colour bar from `low` to `high`.
 pub struct Bar {

@@ -1,13 +1,13 @@
 //! Densities of points: hits per pixel, on a logarithmic scale of colours.
 //!
-//! Owns counting and colours; places nothing.
+//! Owns counting, colours and the bar that explains them; places nothing.
 
 use std::fmt::Write as _;
 
 use image::{Rgba, RgbaImage};
 
 use super::colour::{ColourScale, Rgb};
-use super::figure::FigureError;
+use super::error::PictureError;
 use super::raster;
 use super::svg::{hex, line, upright, words};
 use super::text::width;
@@ -70,7 +70,7 @@ impl Density {
     }
 
     /// The raster as an SVG image; cells without a hit are transparent.
-    pub(super) fn draw(&self, svg: &mut String, [left, top, width, height]: [f64; 4]) -> Result<(), FigureError> {
+    pub(super) fn draw(&self, svg: &mut String, place: [f64; 4]) -> Result<(), PictureError> {
         let image = RgbaImage::from_fn(self.columns as u32, self.rows as u32, |column, row| {
             match self.hits[(self.rows - 1 - row as usize) * self.columns + column as usize] {
                 0 => Rgba([0, 0, 0, 0]),
@@ -80,13 +80,7 @@ impl Density {
                 }
             }
         });
-        let data = raster::data_uri(&image)?;
-        let _ = writeln!(
-            svg,
-            "<image x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
-             style=\"image-rendering:pixelated\" href=\"{data}\"/>"
-        );
-        Ok(())
+        raster::draw(svg, &image, place)
     }
 
     /// Room that the colour bar takes to the right of a panel.

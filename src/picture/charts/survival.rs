@@ -2,9 +2,11 @@
 //!
 //! Owns what is drawn of it; estimates nothing.
 
-use super::charts::{BAND, FAINT, colour_of};
-use super::panel::{Layer, Panel, Scale, Stroke};
+use super::shared::{BAND, FAINT, colour_of};
 use crate::analysis::lifetime::{Decay, Survival};
+use crate::picture::axis_scale::AxisScale;
+use crate::picture::layer::{Layer, Stroke};
+use crate::picture::panel::Panel;
 
 /// Least extent of the axis of states.
 const LEAST_DECADES: f64 = 0.5;
@@ -80,8 +82,8 @@ pub fn survival(survival: &Survival, decay: &Decay) -> Panel {
     }
     Panel {
         title: String::new(),
-        x: Scale::new("time in forcing periods", 0.0, end),
-        y: Scale::logarithmic("fraction of the initial states", low, 0.05 * decades),
+        x: AxisScale::new("time in forcing periods", 0.0, end),
+        y: AxisScale::logarithmic("fraction of the initial states", low, 0.05 * decades),
         layers,
         nothing: "no state was followed".to_owned(),
     }
@@ -89,8 +91,8 @@ pub fn survival(survival: &Survival, decay: &Decay) -> Panel {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sheet::Sheet;
     use super::*;
+    use crate::picture::sheet::Sheet;
 
     fn svg(of: &Survival) -> String {
         Sheet::single(survival(of, &of.decay()), Vec::new()).draw().unwrap().svg

@@ -1,7 +1,11 @@
-use super::*;
-use crate::output::samples;
-use crate::output::samples::machine_experiment;
 use resvg::tiny_skia::Pixmap;
+
+use super::*;
+use crate::map::ParameterMap;
+use crate::measure::Quantity;
+use crate::output::samples::{self, machine_experiment};
+use crate::picture::colour::{self, Rgb};
+use crate::picture::error::PictureError;
 
 /// Pixels that have a colour.
 fn count(pixels: &Pixmap, [red, green, blue]: Rgb) -> usize {
@@ -59,15 +63,15 @@ fn the_border_lies_between_the_blocks_to_all_sides() {
         -1.0, -1.0, 1.0, 1.0,
     ];
     let map = samples::map("zeta_k=0:3:4", "h1=0:3:4", &exponents);
-    let figure = lyapunov_picture(&map, &small()).unwrap();
-    assert!(figure.svg.contains(">border of chaos<") && figure.svg.contains("Border of chaos: between"));
-    let path = figure
+    let page = lyapunov_picture(&map, &small()).unwrap();
+    assert!(page.svg.contains(">border of chaos<") && page.svg.contains("Border of chaos: between"));
+    let path = page
         .svg
         .lines()
         .find(|line| line.starts_with("<path d=\"M") && line.contains("#ffffff"))
         .unwrap();
     let place = |name: &str| {
-        let image = figure.svg.lines().find(|line| line.starts_with("<image")).unwrap();
+        let image = page.svg.lines().find(|line| line.starts_with("<image")).unwrap();
         let value = image
             .split(&format!(" {name}=\""))
             .nth(1)
@@ -119,8 +123,8 @@ fn an_overlay_reaches_the_frame_where_it_ends_with_the_axes() {
             name: "theory".to_owned(),
             points,
         });
-        let figure = lyapunov_picture(&map, &Style { overlay, ..small() }).unwrap();
-        let line = figure.svg.lines().find(|line| line.contains("url(#map)")).unwrap();
+        let page = lyapunov_picture(&map, &Style { overlay, ..small() }).unwrap();
+        let line = page.svg.lines().find(|line| line.contains("url(#map)")).unwrap();
         line.matches('L').count()
     };
     // two steps, and one more at either end; in the middle of the map none
@@ -156,7 +160,7 @@ fn limits_are_robust_stated_and_checked() {
             ..small()
         };
         assert!(
-            matches!(lyapunov_picture(&map, &style), Err(FigureError::Limits { .. })),
+            matches!(lyapunov_picture(&map, &style), Err(PictureError::Limits { .. })),
             "{limits:?}"
         );
     }
@@ -172,8 +176,8 @@ fn every_quantity_of_every_map_can_be_drawn() {
     ] {
         let map = samples::map("epsilon_0=1e-6:2e-6:3", "h1=2:0:2", &exponents);
         for info in crate::measure::QUANTITIES {
-            let figure = quantity_picture(&map, info.quantity, &small()).unwrap();
-            figure.render().unwrap();
+            let page = quantity_picture(&map, info.quantity, &small()).unwrap();
+            page.render().unwrap();
         }
     }
 }
@@ -264,7 +268,7 @@ fn points_beyond_the_limits_are_counted_with_its_worst_point() {
         warnings[1].contains("365.38 MPa, and the shaft yields at 205 MPa"),
         "{warnings:?}"
     );
-    let caption = caption::of(&map).join(" ");
+    let caption = paragraphs::of(&map).join(" ");
     assert!(
         caption.contains(
             "the shaft hotter than its melting point at 3.3\u{a0}% of the points, the shaft pressed beyond its yield strength at 60\u{a0}%"

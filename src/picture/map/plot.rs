@@ -1,19 +1,25 @@
-//! The plot of a map: places raster, axes, colour bar, legend and caption on a page.
+//! The plot of a map: places points, axes, colour bar, legend and caption on a page.
 //!
-//! Owns positions and sizes; does not choose colours, limits or words.
+//! Owns what is drawn where; does not choose colours, limits or words.
 
 use std::fmt::Write as _;
 
-use super::caption::AxisLabel;
-use super::colour::Rgb;
-use super::colour_bar::Bar;
-use super::figure::{Figure, FigureError};
-use super::raster;
-use super::svg::{hatch, hex, line, upright, words};
-use super::text::{self, widest, width, wrap};
-use super::ticks::{self, Tick, ticks};
-use crate::design::{Axis, Spacing};
+use image::{Rgba, RgbaImage};
+
+use super::axis_ticks::axis_ticks;
+use super::bar::Bar;
+use super::layout::{Layout, cell_size};
+use super::legend::{self, BORDER, OVERLAY, Sign};
+use crate::design::Axis;
 use crate::map::{Change, ParameterMap};
+use crate::picture::axis_label::AxisLabel;
+use crate::picture::colour::Rgb;
+use crate::picture::error::PictureError;
+use crate::picture::page::Page;
+use crate::picture::raster;
+use crate::picture::svg::{hatch, line, paragraphs, path, upright, words};
+use crate::picture::text::{widest, wrap};
+use crate::picture::ticks::Tick;
 
 /// What a point of the map shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,56 +73,6 @@ pub struct Overlay {
     pub points: Vec<[f64; 2]>,
 }
 
-/// The most points along an axis, and pixels of the map: a picture of 128 million pixels takes half a gigabyte to draw.
-const MAX_POINTS: usize = 16_384;
-const MAX_PIXELS: u64 = 128_000_000;
-
-/// Width of the border of chaos, in pixels.
-const BORDER: f64 = 1.8;
-
-/// Pixels that a point takes along either axis, so that the map is about `size` large; at least 1.
-pub fn cell_size(columns: usize, rows: usize, size: [u32; 2]) -> Result<[u32; 2], FigureError> {
-    let cell = |count: usize, size: u32| ((f64::from(size) / count as f64).round() as u32).max(1);
-    let [across, up] = [cell(columns, size[0]), cell(rows, size[1])];
-    let pixels = columns as u64 * u64::from(across) * rows as u64 * u64::from(up);
-    if columns.max(rows) > MAX_POINTS || pixels > MAX_PIXELS {
-        return Err(FigureError::TooLarge {
-            columns,
-            rows,
-            most: MAX_POINTS,
-            most_pixels: MAX_PIXELS,
-        });
-    }
-    Ok([across, up])
-}
-
-/// Sizes and places in pixels.
-pub struct Layout {
-    pub cell: [f64; 2],
-    /// The map's left, top, width and height.
-    pub left: f64,
-    pub top: f64,
-    pub width: f64,
-    pub height: f64,
-    /// Everything is enlarged by this in large pictures, so that they can be read when scaled down.
-    pub unit: f64,
-}
-
-impl Layout {
-    pub fn tick_size(&self) -> f64 {
-        15.0 * self.unit
-    }
-    pub fn label_size(&self) -> f64 {
-        17.0 * self.unit
-    }
-    fn caption_size(&self) -> f64 {
-        14.0 * self.unit
-    }
-    fn margin(&self) -> f64 {
-        16.0 * self.unit
-    }
-}
-
 impl Plot {
     /// An empty plot with the axes of a map.
     pub fn of(map: &ParameterMap) -> Self {
@@ -134,7 +90,7 @@ impl Plot {
     }
 
     /// Draws the plot above the paragraphs of its caption.
-    pub fn draw(&self, size: [u32; 2], caption: &[String]) -> Result<Figure, FigureError> {
+    pub fn draw(&self, size: [u32; 2], caption: &[String]) -> Result<Page, PictureError> {
         let cell = cell_size(self.x.count(), self.y.count(), size)?.map(f64::from);
         let (plot_width, plot_height) = (cell[0] * self.x.count() as f64, cell[1] * self.y.count() as f64);
         let unit = (plot_width / 960.0).min(plot_height / 640.0).clamp(1.0, 8.0);
@@ -165,25 +121,14 @@ impl Plot {
             None => layout.left + layout.width + 24.0 * unit,
         };
         let page_width = (right + layout.margin()).ceil();
-        let mut y = self.draw_legend(&mut svg, &layout, bottom, page_width);
-        y += 8.0 * unit;
-        for paragraph in caption {
-            for line in wrap(paragraph, layout.caption_size(), page_width - 2.0 * layout.margin()) {
-                y += 1.4 * layout.caption_size();
-                words(&mut svg, &line, layout.margin(), y, layout.caption_size(), "start");
-            }
-        }
+        let y = legend::draw(&mut svg, &layout, &self.entries(), bottom, page_width);
+        let (place, line) = ([layout.margin(), y + 8.0 * unit], page_width - 2.0 * layout.margin());
+        let y = paragraphs(&mut svg, caption, place, layout.caption_size(), line);
         let (page_width, page_height) = (page_width as u32, (y + layout.margin()).ceil() as u32);
-        let background = format!("<rect width=\"{page_width}\" height=\"{page_height}\" fill=\"#ffffff\"/>\n");
-        let svg = text::document(page_width, page_height, &(background + &svg));
-        Ok(Figure {
-            svg,
-            width: page_width,
-            height: page_height,
-        })
+        Ok(Page::new(page_width, page_height, &svg))
     }
 
-    fn draw_map(&self, svg: &mut String, layout: &Layout) -> Result<(), FigureError> {
+    fn draw_map(&self, svg: &mut String, layout: &Layout) -> Result<(), PictureError> {
         let Layout {
             left,
             top,
@@ -197,11 +142,7 @@ impl Plot {
             hatch(svg, unit);
             let _ = writeln!(svg, "<rect {place} fill=\"url(#hatch)\"/>");
         }
-        let data = raster::encode(self)?;
-        let _ = writeln!(
-            svg,
-            "<image {place} preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" href=\"{data}\"/>"
-        );
+        raster::draw(svg, &self.image(), [left, top, width, height])?;
         let path = self.border_path(layout);
         if !path.is_empty() {
             for (colour, stroke) in [("#ffffff", 4.0 * unit), ("#000000", BORDER * unit)] {
@@ -237,7 +178,7 @@ impl Plot {
             .collect();
         let pieces = places.split(|place| place.iter().any(|pixel| !pixel.is_finite()));
         let path: String = pieces
-            .map(|piece| super::panel::path(to_the_frame(piece, layout).map(|[x, y]| (x, y))))
+            .map(|piece| path(to_the_frame(piece, layout).map(|[x, y]| (x, y))))
             .collect();
         let _ = writeln!(
             svg,
@@ -245,7 +186,7 @@ impl Plot {
         );
         for (colour, stroke, dash) in [
             ("#ffffff", 5.0 * unit, String::new()),
-            ("#000000", 2.4 * unit, dashes(unit)),
+            ("#000000", OVERLAY * unit, legend::dashes(unit)),
         ] {
             let _ = writeln!(
                 svg,
@@ -327,67 +268,43 @@ impl Plot {
         y
     }
 
-    /// Draws swatches of the kinds that occur, in rows; the y of the lowest row.
-    fn draw_legend(&self, svg: &mut String, layout: &Layout, above: f64, page_width: f64) -> f64 {
-        let (unit, size) = (layout.unit, layout.tick_size());
-        let mut entries: Vec<(String, &str)> = Vec::new();
+    /// The map with a pixel for each point, values rising to the right and upwards; points that are not computed are
+    /// transparent.
+    fn image(&self) -> RgbaImage {
+        let (columns, rows) = (self.x.count(), self.y.count());
+        let (across, up) = (self.x.rising(), self.y.rising());
+        RgbaImage::from_fn(columns as u32, rows as u32, |x, y| {
+            let (column, row) = (across[x as usize], up[rows - 1 - y as usize]);
+            let colour = match self.cells[row * columns + column] {
+                Cell::NotComputed => return Rgba([0, 0, 0, 0]),
+                Cell::Kind(kind) => self.kinds[kind].colour,
+                Cell::Value(value) => self.bar.as_ref().map_or([0, 0, 0], |bar| (bar.colour)(value)),
+            };
+            Rgba([colour[0], colour[1], colour[2], 255])
+        })
+    }
+
+    /// The legend of what occurs.
+    fn entries(&self) -> Vec<(Sign, &str)> {
+        let mut entries: Vec<(Sign, &str)> = Vec::new();
         if !self.heading.is_empty() {
-            entries.push((String::new(), &self.heading));
+            entries.push((Sign::None, &self.heading));
         }
         for (index, kind) in self.kinds.iter().enumerate() {
             if self.cells.contains(&Cell::Kind(index)) {
-                entries.push((hex(kind.colour), &kind.name));
+                entries.push((Sign::Colour(kind.colour), &kind.name));
             }
         }
         if self.cells.contains(&Cell::NotComputed) {
-            entries.push(("url(#hatch)".to_owned(), "not computed"));
+            entries.push((Sign::Hatch, "not computed"));
         }
         if !self.border.is_empty() {
-            entries.push(("line".to_owned(), "border of chaos"));
+            entries.push((Sign::Line, "border of chaos"));
         }
         if let Some(overlay) = &self.overlay {
-            entries.push(("dashes".to_owned(), &overlay.name));
+            entries.push((Sign::Dashes, &overlay.name));
         }
-        if entries.is_empty() {
-            return above;
-        }
-        let (row, swatch) = (1.7 * size, 22.0 * unit);
-        let (mut x, mut y) = (layout.margin(), above + 1.3 * row);
-        for (fill, name) in entries {
-            let mark = if fill.is_empty() { 0.0 } else { swatch + 7.0 * unit };
-            let entry = mark + width(name, size);
-            if x > layout.margin() && x + entry > page_width - layout.margin() {
-                (x, y) = (layout.margin(), y + row);
-            }
-            let middle = y - 0.36 * size;
-            match fill.as_str() {
-                "" => {}
-                "line" => line(svg, [x, middle, x + swatch, middle], BORDER * unit),
-                "dashes" => {
-                    let _ = writeln!(
-                        svg,
-                        "<path d=\"M{x:.1} {middle:.1}L{:.1} {middle:.1}\" stroke=\"#000000\" \
-                         stroke-width=\"{}\"{}/>",
-                        x + swatch,
-                        2.4 * unit,
-                        dashes(unit)
-                    );
-                }
-                fill => {
-                    let _ = writeln!(
-                        svg,
-                        "<rect x=\"{x:.1}\" y=\"{:.1}\" width=\"{swatch}\" height=\"{}\" fill=\"{fill}\" \
-                         stroke=\"#000000\" stroke-width=\"{}\"/>",
-                        middle - 7.0 * unit,
-                        14.0 * unit,
-                        0.7 * unit
-                    );
-                }
-            }
-            words(svg, name, x + mark, y, size, "start");
-            x += entry + 22.0 * unit;
-        }
-        y
+        entries
     }
 }
 
@@ -410,60 +327,4 @@ fn to_the_frame(piece: &[[f64; 2]], layout: &Layout) -> impl Iterator<Item = [f6
     let first = beyond(piece.get(1), piece.first());
     let last = beyond(piece.iter().rev().nth(1), piece.last());
     first.into_iter().chain(piece.iter().copied()).chain(last)
-}
-
-fn dashes(unit: f64) -> String {
-    format!(" stroke-dasharray=\"{} {}\"", 9.0 * unit, 4.0 * unit)
-}
-
-/// Ticks of any axis of a map, by their values.
-fn axis_ticks(axis: &Axis, label: &AxisLabel, length: f64, room: impl Fn(f64) -> f64, size: f64) -> Vec<Tick> {
-    let fits = |ticks: &[Tick]| {
-        let widest = widest(ticks.iter().map(|tick| tick.label.as_str()), size);
-        ticks.len() as f64 * room(widest) <= length + room(widest)
-    };
-    match axis.spacing() {
-        Spacing::Even { .. } => even_ticks(axis, label.factor, length, room, size),
-        Spacing::Logarithmic { .. } => {
-            let [low, high] = axis.ends().map(|end| (label.factor * end).log10());
-            let ticks = ticks::thinned(ticks::decades(low, high), fits);
-            let values = ticks.into_iter().map(|tick| Tick {
-                value: 10f64.powf(tick.value) / label.factor,
-                ..tick
-            });
-            values.collect()
-        }
-        Spacing::Listed(_) => {
-            let rising = axis.rising();
-            let ticks = ticks::thinned(label.listed(axis), fits);
-            let values = ticks.into_iter().map(|tick| Tick {
-                value: axis.value(rising[tick.value as usize]),
-                ..tick
-            });
-            values.collect()
-        }
-    }
-}
-
-/// Ticks within the values of the axis, not within the half cells beyond: there the map says nothing. They are round numbers
-/// once multiplied with `factor`. `room` is the least distance between ticks, given the width of the widest label; `length`
-/// is that of the whole map.
-fn even_ticks(axis: &Axis, factor: f64, length: f64, room: impl Fn(f64) -> f64, size: f64) -> Vec<Tick> {
-    let [start, stop] = [axis.first(), axis.last()].map(|end| factor * end);
-    let (low, high) = (start.min(stop), start.max(stop));
-    let length = length * (axis.count() - 1) as f64 / axis.count() as f64;
-    let most = (length / room(0.0)) as usize;
-    let fits = |ticks: &Vec<Tick>| {
-        let widest = widest(ticks.iter().map(|tick| tick.label.as_str()), size);
-        ticks.len() as f64 * room(widest) <= length + room(widest)
-    };
-    let mut ticks = (1..=most)
-        .rev()
-        .map(|most| ticks(low, high, most))
-        .find(fits)
-        .unwrap_or_else(|| ticks(low, high, 1));
-    for tick in &mut ticks {
-        tick.value /= factor;
-    }
-    ticks
 }

@@ -6,6 +6,7 @@ use serde_json::json;
 use zarrs::array::{ArrayBuilder, ArrayMetadataOptions, DataType, data_type};
 
 use crate::design::{Axis, Fixed};
+use crate::experiment::Experiment;
 use crate::machine::Scale;
 use crate::measure::{QUANTITIES, QuantityInfo, Values};
 
@@ -81,4 +82,15 @@ pub fn variable(info: &QuantityInfo, x: &Axis, y: &Axis, tile: [usize; 2]) -> Ar
         );
     }
     array
+}
+
+/// The two axes of a map.
+///
+/// # Panics
+/// If the experiment has not two axes.
+pub fn axes(experiment: &Experiment) -> [&Axis; 2] {
+    let [x, y] = experiment.design.axes() else {
+        panic!("a map has two axes")
+    };
+    [x, y]
 }

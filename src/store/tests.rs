@@ -1,8 +1,17 @@
-use serde_json::json;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use serde_json::json;
+use zarrs::array::Array;
+use zarrs::filesystem::FilesystemStore;
+
+use super::layout::node;
 use super::*;
 use crate::backend::BackendKind;
 use crate::machine::Scale;
+use crate::measure::{Measurement, QUANTITIES, Quantity};
+use crate::output::PROGRAM;
 use crate::output::samples::{experiment, machine_experiment, measurement};
 use crate::parameters::PARAMETERS;
 

@@ -1,0 +1,26 @@
+//! Pictures of maps: a quantity in colours over two axes.
+//!
+//! Draws maps only from a [`ParameterMap`](crate::map::ParameterMap). In their order, each file knows those before it only:
+//!
+//! - `layout`: sizes and places; `axis_ticks`: which ticks fit; `paragraphs`: the caption;
+//! - `bar`, `legend`: what explains the colours;
+//! - `plot`: all of it on a page;
+//! - `style`: what a user chooses; `values`: values, units and limits;
+//! - `quantity`: the colours of each quantity.
+
+mod axis_ticks;
+mod bar;
+mod layout;
+mod legend;
+mod paragraphs;
+mod plot;
+mod quantity;
+mod style;
+#[cfg(test)]
+mod tests;
+mod values;
+
+pub use self::plot::Overlay;
+pub use self::quantity::{draw, lyapunov_picture, period_picture, quantity_picture};
+pub use self::style::{Style, check_size};
+pub use self::values::label;
