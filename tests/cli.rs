@@ -92,6 +92,12 @@ fn a_map_is_computed_stored_drawn_and_drawn_again() {
     assert!(tribochaos(folder.path(), &quantity).status.success());
     assert!(path("outputs/map-x_max.png").exists() && path("outputs/map-class.png").exists());
 
+    // another style does not replace the map's own picture
+    let styled = ["render", "outputs/map.zarr", "--colours", "purple-green"];
+    assert_refused(&tribochaos(folder.path(), &styled), "is the map's own picture");
+    let named = tribochaos(folder.path(), &[&styled[..], &["--out", "purple"]].concat());
+    assert!(named.status.success() && path("purple-lyapunov.png").exists());
+
     // the picture carries the experiment
     let from = tribochaos(
         folder.path(),
@@ -759,6 +765,35 @@ fn a_store_is_gone_on_with_on_another_device() {
     assert_refused(&other, "another experiment");
 }
 
+/// A map of many tiles, which takes minutes.
+#[cfg(unix)]
+const LONG_MAP: [&str; 17] = [
+    "map",
+    "--x",
+    "zeta_k=0:12:2000",
+    "--y",
+    "h1=0:2:2000",
+    "--backend",
+    "cpu",
+    "--precision",
+    "f32",
+    "--transient-periods",
+    "16",
+    "--align-periods",
+    "8",
+    "--periods",
+    "16",
+    "--steps-per-period",
+    "200",
+];
+
+#[cfg(unix)]
+fn interrupt(child: &std::process::Child) {
+    let id = child.id().to_string();
+    let killed = Command::new("kill").args(["-INT", &id]).status().unwrap();
+    assert!(killed.success());
+}
+
 #[test]
 #[cfg(unix)]
 fn ctrl_c_keeps_what_is_finished() {
@@ -767,27 +802,7 @@ fn ctrl_c_keeps_what_is_finished() {
     // as many tiles as rows: a row is longer than a tile on any machine with few threads
     let mut child = program::with_signals()
         .current_dir(folder.path())
-        .args([
-            "map",
-            "--x",
-            "zeta_k=0:12:2000",
-            "--y",
-            "h1=0:2:2000",
-            "--backend",
-            "cpu",
-            "--precision",
-            "f32",
-        ])
-        .args([
-            "--transient-periods",
-            "16",
-            "--align-periods",
-            "8",
-            "--periods",
-            "16",
-            "--steps-per-period",
-            "200",
-        ])
+        .args(LONG_MAP)
         .stdout(std::process::Stdio::null())
         .stderr(std::process::Stdio::piped())
         .spawn()
@@ -802,14 +817,34 @@ fn ctrl_c_keeps_what_is_finished() {
         );
         std::thread::sleep(Duration::from_millis(20));
     }
-    let killed = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .unwrap();
-    assert!(killed.success());
+    // meanwhile nobody else writes the store; who waits goes on with it
+    let args = |folder: &Path, more: &[&str]| {
+        let mut command = program::with_signals();
+        command.current_dir(folder).args(LONG_MAP).args(more);
+        command
+            .stdout(std::process::Stdio::null())
+            .stderr(std::process::Stdio::piped());
+        command
+    };
+    let busy = args(folder.path(), &[]).output().unwrap();
+    assert_eq!(busy.status.code(), Some(2));
+    let told = format!("is being written by another process (process {})", child.id());
+    assert!(text(&busy.stderr).contains(&told), "{}", text(&busy.stderr));
+    let waiting = args(folder.path(), &["--wait"]).spawn().unwrap();
+    interrupt(&child);
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("goes on from there"));
+    let lock = folder.path().join("outputs/.map.zarr.lock");
+    while fs::read_to_string(&lock).unwrap_or_default() != waiting.id().to_string() {
+        assert!(started.elapsed() < Duration::from_secs(120), "nobody goes on");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    std::thread::sleep(Duration::from_millis(200));
+    interrupt(&waiting);
+    let output = waiting.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains(&told) && !lock.exists());
     // what is finished can be drawn
     assert!(
         tribochaos(folder.path(), &["render", "outputs/map.zarr"])

@@ -48,6 +48,9 @@ pub struct MapArgs {
     /// Replace results of another experiment, and compute those of the same one again
     #[arg(long)]
     force: bool,
+    /// Wait while another process writes the same store, and go on from there
+    #[arg(long)]
+    wait: bool,
     /// Tell what would be done and about how long it takes, and stop
     #[arg(long)]
     dry_run: bool,
@@ -121,7 +124,8 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
         return run_in_memory(&experiment, choice, args.json);
     }
     let unit = choice.backends.points_per_unit(&experiment);
-    let mut store = outputs.open(&experiment, unit, args.force).map_err(Failure::Input)?;
+    let opened = outputs.open(&experiment, unit, args.force, args.wait);
+    let (mut store, _lock) = opened.map_err(Failure::Input)?;
     let is_for_people = !args.json.wanted();
     if is_for_people {
         print_line!("{}\n{}", report::plan(&experiment), report::device(&choice));

@@ -12,7 +12,7 @@ use tribochaos::map::{self, ParameterMap};
 use tribochaos::measure::Quantity;
 use tribochaos::output::{PROGRAM, csv};
 use tribochaos::picture::{self, Style, png};
-use tribochaos::store::{self, MapStore};
+use tribochaos::store::{self, MapStore, StoreError, WriteLock};
 
 /// Whether a file can be written at `path`, whose folders need not be there yet: found out before any work, by beginning
 /// one beside its place, or where the first missing folder would be, and taking it away again.
@@ -88,12 +88,32 @@ impl Outputs {
     }
 
     /// Opens the store before a run: that of the same experiment, to go on with it, or a new one whose tiles have about `unit` points.
+    /// As long as the lock is held no other process writes it; with `wait` the end of another one is waited for.
     ///
     /// # Errors
-    /// If the pictures would be too large, the results of another experiment are in the way and `force` is not given,
+    /// If another process writes the store, the pictures would be too large, the results of another experiment are in the way and `force` is not given,
     /// the place cannot be written, or the disk is too small.
-    pub fn open(&self, experiment: &Experiment, unit: usize, force: bool) -> anyhow::Result<MapStore> {
-        if let Some(store) = self.check(experiment, force)? {
+    pub fn open(
+        &self,
+        experiment: &Experiment,
+        unit: usize,
+        force: bool,
+        wait: bool,
+    ) -> anyhow::Result<(MapStore, WriteLock)> {
+        self.check_place(experiment)?;
+        let path = self.store();
+        let lock = match WriteLock::take(&path) {
+            Err(error @ StoreError::Busy { .. }) if wait => {
+                eprintln!("{error}: waiting");
+                WriteLock::wait(&path)?
+            }
+            lock => lock?,
+        };
+        self.open_alone(experiment, unit, force).map(|store| (store, lock))
+    }
+
+    fn open_alone(&self, experiment: &Experiment, unit: usize, force: bool) -> anyhow::Result<MapStore> {
+        if let Some(store) = self.check_store(experiment, force)? {
             return Ok(store);
         }
         let path = self.store();
@@ -133,6 +153,12 @@ impl Outputs {
     /// # Errors
     /// As [`Outputs::open`], but for the room on the disk.
     pub fn check(&self, experiment: &Experiment, force: bool) -> anyhow::Result<Option<MapStore>> {
+        self.check_place(experiment)?;
+        self.check_store(experiment, force)
+    }
+
+    /// Whether files can be written under this name.
+    fn check_place(&self, experiment: &Experiment) -> anyhow::Result<()> {
         let text = self.name.to_string_lossy();
         if self.name.file_name().is_none() || text.ends_with(std::path::is_separator) {
             bail!("`{text}` names no file: give --out a name such as outputs/map");
@@ -157,9 +183,12 @@ impl Outputs {
                 bail!("{} is a folder: move it away, or give another --out", file.display());
             }
         }
-        let path = self.store();
-        check_writable(&path)?;
-        match (path.exists(), force) {
+        check_writable(&self.store())
+    }
+
+    /// Whether what is there may be gone on with, or be replaced.
+    fn check_store(&self, experiment: &Experiment, force: bool) -> anyhow::Result<Option<MapStore>> {
+        match (self.store().exists(), force) {
             (true, false) => return self.resumable(experiment).map(Some),
             (true, true) => self.check_replaceable()?,
             (false, false) => self.check_pictures(experiment)?,

@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use anyhow::anyhow;
+use anyhow::bail;
 use clap::Args;
+use tribochaos::map::ParameterMap;
 use tribochaos::measure::Quantity;
 use tribochaos::picture::Style;
 use tribochaos::picture::colour::ColourScale;
@@ -26,7 +27,7 @@ pub struct RenderArgs {
     quantity: Vec<Quantity>,
     /// Ends of the colour scale; of a machine's exponents, pressure, temperature, wear and times in 1/s, Pa, K, m and s
     /// [default: from the data]
-    #[arg(long, value_name = "LOW:HIGH", value_parser = request::range, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = request::limits, allow_hyphen_values = true)]
     limits: Option<[f64; 2]>,
     /// Colours: blue-red or purple-green [default: blue-red]
     #[arg(long, value_name = "NAME", value_parser = colours)]
@@ -37,11 +38,43 @@ pub struct RenderArgs {
     /// Curve from theory over the pictures: melnikov, the threshold of Mel'nikov's criterion
     #[arg(long, value_name = "melnikov", value_parser = request::named::<Theory>)]
     overlay: Option<Theory>,
-    /// Replace pictures of another experiment
+    /// Replace pictures of another experiment, or the map's own ones by those of another style
     #[arg(long)]
     force: bool,
     #[command(flatten)]
     json: JsonArgs,
+}
+
+impl RenderArgs {
+    /// Quantities that are drawn.
+    fn quantities(&self, map: &ParameterMap) -> Vec<Quantity> {
+        if self.quantity.is_empty() {
+            Quantity::drawn(map.experiment.wears()).to_vec()
+        } else {
+            self.quantity.clone()
+        }
+    }
+
+    /// # Errors
+    /// If the map's own pictures would be replaced by others of another style.
+    fn check_own_pictures(&self, map: &ParameterMap, outputs: &Outputs) -> anyhow::Result<()> {
+        let is_own = self.out.is_none();
+        let has_style = self.limits.is_some() || self.colours.is_some() || self.no_border || self.overlay.is_some();
+        let pictures = self
+            .quantities(map)
+            .into_iter()
+            .map(|quantity| outputs.picture(quantity));
+        if is_own
+            && has_style
+            && let Some(picture) = pictures.into_iter().find(|picture| picture.exists())
+        {
+            bail!(
+                "{} is the map's own picture, in another style: give --out a name, or --force to replace it",
+                picture.display()
+            );
+        }
+        Ok(())
+    }
 }
 
 fn colours(name: &str) -> Result<ColourScale, String> {
@@ -63,20 +96,14 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let outputs = Outputs::new(args.out.as_deref().unwrap_or(&name));
     if !args.force {
         outputs.check_pictures(&map.experiment).map_err(Failure::Input)?;
+        args.check_own_pictures(&map, &outputs).map_err(Failure::Input)?;
     }
     let mut style = Style {
         border: !args.no_border,
         overlay: overlay::curve(args.overlay, &map.experiment)?,
         ..Style::default()
     };
-    if let Some([low, high]) = args.limits {
-        if !(low < high && low.is_finite() && high.is_finite()) {
-            return Err(Failure::Input(anyhow!(
-                "the limits {low}:{high} are no range: give the lower one first"
-            )));
-        }
-        style.limits = Some((low, high));
-    }
+    style.limits = args.limits.map(|[low, high]| (low, high));
     style.colours = args.colours.unwrap_or(style.colours);
     let files = if args.quantity.is_empty() {
         outputs.draw(&map, &style)

@@ -24,6 +24,12 @@ pub enum StoreError {
     Version { path: PathBuf, found: String },
     #[error("{} is damaged: {what}; restore it from a copy, or remove it and compute it again", path.display())]
     Damaged { path: PathBuf, what: String },
+    #[error(
+        "{} is being written by another process{}: wait for it by --wait, or give another --out",
+        path.display(),
+        process.map(|id| format!(" (process {id})")).unwrap_or_default()
+    )]
+    Busy { path: PathBuf, process: Option<u32> },
     #[error("{} cannot be written: {reason}; check the folder's permissions and the free space", path.display())]
     Write { path: PathBuf, reason: String },
 }
