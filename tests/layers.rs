@@ -432,7 +432,7 @@ const KNOWN_CIRCLES: &[(&str, &[&str])] = &[
         ],
     ),
     ("design", &["axis", "coordinate"]),
-    ("dynamics/adaptive", &["events", "kept", "orbit", "pass", "tangent"]),
+    ("dynamics/adaptive", &["accepted", "events", "orbit", "pass", "tangent"]),
     ("engine", &["backends", "choice", "mod"]),
     ("machine", &["description", "mod", "sensitivities"]),
     ("model/melnikov", &["mod", "roots"]),

@@ -150,7 +150,7 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
     ("dynamics/radau", "cardinal", "the shader writes its constants out"),
     ("dynamics/radau", "hermite", "the shader writes its constants out"),
     ("dynamics/radau", "hermite_slope", "the shader writes its constants out"),
-    ("dynamics/adaptive/kept", "start", "the host starts peaks"),
+    ("dynamics/adaptive/accepted", "start", "the host starts peaks"),
     ("dynamics/adaptive/tangent", "start", "the host starts tangents"),
     ("dynamics/adaptive/orbit", "start", "the host starts orbits"),
     ("dynamics/adaptive/orbit", "period", "the kernel's loop"),

@@ -1,21 +1,21 @@
 //! Steps of the rubbed bush: their length, where they end, and what is taken from them.
 //!
 //! Owns what a run is controlled by and what an instance is, apart from its state; the equations of a step are
-//! [`super::radau`]'s. From the bottom to the top: [`events`] ends steps at boundaries, [`kept`] takes their ends as the new
+//! [`super::radau`]'s. From the bottom to the top: [`events`] ends steps at boundaries, [`accepted`] takes their ends as the new
 //! state, [`tangent`] carries perturbations over them, [`pass`] tries one, [`orbit`] is the state and follows it over
 //! forcing periods. Twin: `shaders/dynamics/adaptive.wgsl`, as each of these has its own.
 //!
 //! Every lane has its own clock and its own step: a pass tries one step in each, and keeps it where it is good.
 
+pub mod accepted;
 pub mod events;
-pub mod kept;
 pub mod orbit;
 pub mod pass;
 pub mod tangent;
 
 use std::f64::consts::{PI, TAU};
 
-pub use self::kept::Peaks;
+pub use self::accepted::Peaks;
 pub use self::orbit::{Orbit, Scratch};
 pub use self::tangent::Tangent;
 use crate::experiment::Integration;

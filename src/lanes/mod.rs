@@ -79,7 +79,7 @@ pub trait Real:
 
     /// Both as they are, but that nothing made of one is computed before the other is known: see [`Real::in_step`].
     #[inline(always)]
-    fn tied(self, other: Self) -> (Self, Self) {
+    fn together(self, other: Self) -> (Self, Self) {
         (self, other)
     }
 

@@ -170,14 +170,14 @@ impl<R: Real> Real for Pair<R> {
         Self(first, second)
     }
     #[inline(always)]
-    fn tied(self, other: Self) -> (Self, Self) {
-        let (first, other_first) = self.0.tied(other.0);
-        let (second, other_second) = self.1.tied(other.1);
+    fn together(self, other: Self) -> (Self, Self) {
+        let (first, other_first) = self.0.together(other.0);
+        let (second, other_second) = self.1.together(other.1);
         (Self(first, second), Self(other_first, other_second))
     }
     #[inline(always)]
     fn in_step(self) -> Self {
-        let (first, second) = self.0.tied(self.1);
+        let (first, second) = self.0.together(self.1);
         Self(first.in_step(), second.in_step())
     }
 }

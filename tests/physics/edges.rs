@@ -350,14 +350,16 @@ fn slow_drives_and_strong_damping(columns: u32, rows: u32, others: usize) {
     };
     let by_radau = measure(Precision::F64, &tightest, &points);
     let mut apart = Vec::new();
-    for (a, b) in by_taylor.iter().zip(&by_radau) {
+    for ((set, a), b) in points.iter().zip(&by_taylor).zip(&by_radau) {
         assert_eq!(a.status, Status::Ok, "{a:?}");
         // chaos is compared elsewhere: its errors are of another kind
         if a.class == Some(Class::Regular) && b.class == Some(Class::Regular) {
             // radau's own error has taylor's in it, and proves nothing here
             let error = 3.0 * a.lyapunov_error + 1e-5;
             if (a.lyapunov - b.lyapunov).abs() >= error {
-                apart.push((a, b));
+                let (omega_0, h1) = (set[Omega0], set[H1]);
+                println!("omega_0 = {omega_0}, h1 = {h1}: {a:?} {b:?}");
+                apart.push((omega_0, h1));
             }
         }
     }

@@ -1,4 +1,4 @@
-// A pass: one step tried, and kept where it is good. Twin: src/dynamics/adaptive/pass.rs.
+// A pass: one step tried, and accepted where it is good. Twin: src/dynamics/adaptive/pass.rs.
 
 // Shortest step, in ticks.
 override SHORTEST_STEP: f32;
@@ -49,7 +49,7 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
     // what the trial calls for: a part of itself, if it is to be tried again
     let growth = orbit_growth(orbit, rubbing, start, trial, h);
     let cut = orbit_cut(orbit, rubbing, start, trial);
-    let kept = cut.stays && trial.converged && is_below(REJECTED, growth) && is_below(growth, LARGEST);
+    let accepted = cut.stays && trial.converged && is_below(REJECTED, growth) && is_below(growth, LARGEST);
     let longer = clamp(growth * SAFETY, 0.2, 3.0);
     // whatever has converged guesses the next; what has not is forgotten
     (*orbit).guess_0 = start.acceleration;
@@ -65,17 +65,17 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
         (*orbit).guess_2 = curve[2] * inverse_h * inverse_h;
         next = length * min(select(longer, cut.part, cut.part < 1.0), 0.9);
     }
-    if (kept) {
+    if (accepted) {
         (*orbit).since = h;
         if (carries && ((*orbit).lost_periods < 0.0 || system.lasts)) {
             carry(orbit, system, start, trial, memory, h);
         }
-        keep(orbit, system, start, turned, trial, memory, h, elapsed);
+        accept(orbit, system, start, turned, trial, memory, h, elapsed);
         (*orbit).left -= ticks;
     }
 
     let moved = orbit_switch(orbit, rubbing, start, trial);
-    if (kept) {
+    if (accepted) {
         // a step cut short by the end of the period says nothing of the next one
         let free = select(length * longer, (*orbit).step, length < (*orbit).step);
         next = select(free, length * moved, 0.0 < moved);
@@ -86,7 +86,7 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
 }
 
 // Shaft speed and fit over a step of `h`: growth since its start, at the nodes. Growth, not values, so that the digits
-// of v are kept. With sine and 1 - cosine of what the drive's phase grows by.
+// of v are accepted. With sine and 1 - cosine of what the drive's phase grows by.
 fn orbit_drive(orbit: ptr<function, Orbit>, system: System, ticks: f32, h: f32, elapsed: f32) -> Turned {
     let angle = ticks * (TAU / f32(TICKS));
     let first = rotation(angle * NODE_0);

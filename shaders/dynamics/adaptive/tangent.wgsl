@@ -48,7 +48,7 @@ fn divide(orbit: ptr<function, Orbit>, norm: f32) {
     }
 }
 
-// Carries the tangent vector over a kept step.
+// Carries the tangent vector over an accepted step.
 fn carry(
     orbit: ptr<function, Orbit>,
     system: System,

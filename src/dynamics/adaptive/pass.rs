@@ -1,4 +1,4 @@
-//! A pass: one step tried in every lane, kept where it is good.
+//! A pass: one step tried in every lane, accepted where it is good.
 //!
 //! Owns the error control, the drive over a step, and which lanes are given up. Twin:
 //! `shaders/dynamics/adaptive/pass.wgsl`.
@@ -77,8 +77,8 @@ impl<R: Real> Orbit<R> {
         // what the trial calls for: a part of itself, if it is to be tried again
         let growth = self.growth(rubbing, control, &start, &trial, h);
         let (shorter, stays) = self.cut(rubbing, control, &start, &trial);
-        let kept = stays.and(trial.converged).and(R::splat(REJECTED).less(growth));
-        let kept = kept.and(running);
+        let accepted = stays.and(trial.converged).and(R::splat(REJECTED).less(growth));
+        let accepted = accepted.and(running);
         let longer = (growth * R::splat(SAFETY)).max(R::splat(0.2)).min(R::splat(3.0));
         let again = R::select(
             trial.converged,
@@ -93,21 +93,34 @@ impl<R: Real> Orbit<R> {
             R::select(trial.converged, parabola[1] * inverse_h, zero),
             R::select(trial.converged, parabola[2] * inverse_h * inverse_h, zero),
         ];
-        self.since = R::select(kept, h, zero);
+        self.since = R::select(accepted, h, zero);
 
         if let Some(tangent) = tangent {
             let alive = peaks.lost[0].less(zero).or(zero.less(system.lasts));
-            self.carry(system, &start, &trial, &memory, tangent, scratch, h, kept.and(alive));
+            self.carry(
+                system,
+                &start,
+                &trial,
+                &memory,
+                tangent,
+                scratch,
+                h,
+                accepted.and(alive),
+            );
         }
-        self.keep(
-            system, peaks, &start, &drive, turn, &trial, &memory, scratch, h, elapsed, kept,
+        self.accept(
+            system, peaks, &start, &drive, turn, &trial, &memory, scratch, h, elapsed, accepted,
         );
-        self.left = self.left.minus(R::select(kept, ticks, zero).to_ticks());
+        self.left = self.left.minus(R::select(accepted, ticks, zero).to_ticks());
 
         let moved = self.switch(rubbing, control, &start, &trial);
         // a step cut short by the end of the period says nothing of the next one
         let free = R::select(ticks.less(self.step), self.step, ticks * longer);
-        let next = R::select(kept, R::select(zero.less(moved), ticks * moved, free), ticks * again);
+        let next = R::select(
+            accepted,
+            R::select(zero.less(moved), ticks * moved, free),
+            ticks * again,
+        );
         let longest = control.longest * R::splat(R::PERIOD_TICKS) / system.long;
         let longest = longest.min(self.swing_step(rubbing, control) / system.tick);
         let next = R::from_ticks(next.min(longest).max(zero).to_ticks());

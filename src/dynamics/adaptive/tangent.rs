@@ -1,9 +1,9 @@
 //! The tangent vector of the full state.
 //!
-//! Owns its norm and how it is carried over kept steps; the derivative of a step is [`radau`]'s. Twin:
+//! Owns its norm and how it is carried over accepted steps; the derivative of a step is [`radau`]'s. Twin:
 //! `shaders/dynamics/adaptive/tangent.wgsl`.
 
-use super::kept::advanced;
+use super::accepted::advanced;
 use super::{Orbit, Scratch, System};
 use crate::dynamics::matrix::at_nodes;
 use crate::dynamics::radau::{self, Heat, Memory, Perturbation, Start, Trial};
@@ -121,7 +121,7 @@ impl<R: Real> Tangent<R> {
 }
 
 impl<R: Real> Orbit<R> {
-    /// Carries a tangent vector over a kept step.
+    /// Carries a tangent vector over an accepted step.
     #[allow(clippy::too_many_arguments, reason = "the parts of one pass")]
     #[inline(always)]
     pub(super) fn carry(
@@ -133,7 +133,7 @@ impl<R: Real> Orbit<R> {
         tangent: &mut Tangent<R>,
         steps: &Scratch<R>,
         h: R,
-        kept: R::Mask,
+        accepted: R::Mask,
     ) {
         let mut free = Heat {
             pressure: R::splat(0.0),
@@ -147,24 +147,24 @@ impl<R: Real> Orbit<R> {
         let memory = Memory { free, ..*memory };
         let rates = trial.divergence(&system.rubbing);
         let divergence = tangent.divergence + radau::integral(rates) * h;
-        tangent.divergence = R::select(kept, divergence, tangent.divergence);
+        tangent.divergence = R::select(accepted, divergence, tangent.divergence);
         let (end, flux) = trial.perturbed(&system.rubbing, start, h, &memory, &tangent.at);
         let flux = radau::parabola(flux);
         let flux = at_nodes!(k => flux[k] * h);
         for (m, step) in steps.iter().enumerate() {
             let mode = advanced(step, tangent.modes[m], flux);
-            tangent.modes[m] = R::select(kept, mode, tangent.modes[m]);
+            tangent.modes[m] = R::select(accepted, mode, tangent.modes[m]);
         }
         let old = tangent.at;
         tangent.at = Perturbation {
-            x: R::select(kept, end.x, old.x),
-            v: R::select(kept, end.v, old.v),
-            fit: R::select(kept, end.fit, old.fit),
+            x: R::select(accepted, end.x, old.x),
+            v: R::select(accepted, end.v, old.v),
+            fit: R::select(accepted, end.fit, old.fit),
             heat: Heat {
-                pressure: R::select(kept, end.heat.pressure, old.heat.pressure),
-                falloff: R::select(kept, end.heat.falloff, old.heat.falloff),
+                pressure: R::select(accepted, end.heat.pressure, old.heat.pressure),
+                falloff: R::select(accepted, end.heat.falloff, old.heat.falloff),
             },
-            flux: R::select(kept, end.flux, old.flux),
+            flux: R::select(accepted, end.flux, old.flux),
         };
     }
 }

@@ -177,7 +177,7 @@ macro_rules! x86_vector {
                 $from_ticks
             }
             #[inline(always)]
-            fn tied(mut self, mut other: Self) -> (Self, Self) {
+            fn together(mut self, mut other: Self) -> (Self, Self) {
                 // SAFETY: the module's rule.
                 unsafe { $tie(&mut self.0, &mut other.0) };
                 (self, other)

@@ -4,8 +4,8 @@
 
 use super::super::shader_source::{EntryPoint, Kernel, Shader, source_files};
 use crate::dynamics::adaptive::PRESSURE_BOUND;
+use crate::dynamics::adaptive::accepted::ROUGH;
 use crate::dynamics::adaptive::events::{CUT, FIRST_PART};
-use crate::dynamics::adaptive::kept::ROUGH;
 use crate::dynamics::adaptive::orbit::{PASS_BUDGET, SETTLING_PASSES};
 use crate::dynamics::adaptive::pass::{LARGE_SPEED, PRESSURE_FLOOR, REJECTED, SAFETY, SHORTEST_STEP};
 use crate::dynamics::radau::{ERROR_WEIGHT, MAX_ITERATIONS};
@@ -29,7 +29,7 @@ pub static RADAU: Shader = Shader {
         "dynamics/radau.wgsl"
         "dynamics/adaptive.wgsl"
         "dynamics/adaptive/events.wgsl"
-        "dynamics/adaptive/kept.wgsl"
+        "dynamics/adaptive/accepted.wgsl"
         "dynamics/adaptive/tangent.wgsl"
         "dynamics/adaptive/pass.wgsl"
         "dynamics/adaptive/orbit.wgsl"

@@ -1,11 +1,11 @@
-// What is taken from a kept step: its end as the new state, and what it shows of extremes and of contact.
-// Twin: src/dynamics/adaptive/kept.rs.
+// What is taken from an accepted step: its end as the new state, and what it shows of extremes and of contact.
+// Twin: src/dynamics/adaptive/accepted.rs.
 
 // Parts that the surface temperature within a step may be off by, where it is not computed anew.
 override ROUGH: f32;
 
 // Takes the end of a trial as the new state.
-fn keep(
+fn accept(
     orbit: ptr<function, Orbit>,
     system: System,
     start: Start,

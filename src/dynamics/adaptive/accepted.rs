@@ -1,6 +1,6 @@
-//! What is taken from a kept step: its end as the new state, and what it shows of extremes and of contact.
+//! What is taken from an accepted step: its end as the new state, and what it shows of extremes and of contact.
 //!
-//! Owns the peaks and times of an instance's contact. Twin: `shaders/dynamics/adaptive/kept.wgsl`.
+//! Owns the peaks and times of an instance's contact. Twin: `shaders/dynamics/adaptive/accepted.wgsl`.
 
 use super::events::FAR;
 use super::{Orbit, Scratch, System};
@@ -38,10 +38,10 @@ impl<R: Real> Peaks<R> {
 }
 
 impl<R: Real> Orbit<R> {
-    /// Takes the end of a trial as the new state where it is kept.
+    /// Takes the end of a trial as the new state where it is accepted.
     #[allow(clippy::too_many_arguments, reason = "the parts of one pass")]
     #[inline(always)]
-    pub(super) fn keep(
+    pub(super) fn accept(
         &mut self,
         system: &System<R>,
         peaks: &mut Peaks<R>,
@@ -53,38 +53,42 @@ impl<R: Real> Orbit<R> {
         steps: &Scratch<R>,
         h: R,
         elapsed: R,
-        kept: R::Mask,
+        accepted: R::Mask,
     ) {
         let flux = radau::parabola(trial.flux);
         let heat = memory.end(flux);
-        self.peaks_of(system, peaks, start, trial, flux, heat, h, elapsed, kept);
+        self.peaks_of(system, peaks, start, trial, flux, heat, h, elapsed, accepted);
         let put_in = at_nodes!(k => flux[k] * h);
         for (m, step) in steps.iter().enumerate() {
-            self.modes[m] = R::select(kept, advanced(step, self.modes[m], put_in), self.modes[m]);
+            self.modes[m] = R::select(accepted, advanced(step, self.modes[m], put_in), self.modes[m]);
         }
 
         let [x_min, x_max] = self.extremes;
         let lowest = Cubic::new(-start.x, at_nodes!(i => -trial.x[i]));
         let highest = Cubic::new(start.x, trial.x);
-        self.extremes = [-raised(-x_min, &lowest, kept), raised(x_max, &highest, kept)];
+        self.extremes = [-raised(-x_min, &lowest, accepted), raised(x_max, &highest, accepted)];
 
-        self.fit = R::select(kept, self.fit + drive.fit[2] - trial.worn(&system.rubbing, h), self.fit);
-        self.x = R::select(kept, trial.x[2], self.x);
-        self.v = R::select(kept, trial.v[2], self.v);
+        self.fit = R::select(
+            accepted,
+            self.fit + drive.fit[2] - trial.worn(&system.rubbing, h),
+            self.fit,
+        );
+        self.x = R::select(accepted, trial.x[2], self.x);
+        self.v = R::select(accepted, trial.v[2], self.v);
         self.heat = Heat {
-            pressure: R::select(kept, heat.pressure, self.heat.pressure),
-            falloff: R::select(kept, heat.falloff, self.heat.falloff),
+            pressure: R::select(accepted, heat.pressure, self.heat.pressure),
+            falloff: R::select(accepted, heat.falloff, self.heat.falloff),
         };
         let [sine, versine] = turn;
         let (sin, cos) = (self.sin, self.cos);
-        self.sin = R::select(kept, sin + (cos * sine - sin * versine), sin);
-        self.cos = R::select(kept, cos - (sin * sine + cos * versine), cos);
+        self.sin = R::select(accepted, sin + (cos * sine - sin * versine), sin);
+        self.cos = R::select(accepted, cos - (sin * sine + cos * versine), cos);
 
         // contact changes where its signal has come down to zero
         let (zero, one, half) = (R::splat(0.0), R::splat(1.0), R::splat(0.5));
         let gap = self.contact.less(half);
         let signal = R::select(gap, -trial.if_closed[2], trial.pressure[2]);
-        let changes = kept.and(signal.less(zero));
+        let changes = accepted.and(signal.less(zero));
         if R::select(changes, one, zero).less(half).all() {
             return;
         }
@@ -112,13 +116,13 @@ impl<R: Real> Orbit<R> {
         heat: Heat<R>,
         h: R,
         elapsed: R,
-        kept: R::Mask,
+        accepted: R::Mask,
     ) {
         let far = R::splat(FAR);
         let pressure = Cubic::new(start.pressure, trial.pressure);
-        if !pressure.stays_below(R::select(kept, peaks.pressure, far)).all() {
+        if !pressure.stays_below(R::select(accepted, peaks.pressure, far)).all() {
             let (highest, part) = pressure.maximum();
-            let higher = kept.and(peaks.pressure.less(highest));
+            let higher = accepted.and(peaks.pressure.less(highest));
             peaks.pressure = R::select(higher, highest, peaks.pressure);
             let time = [self.periods, part.mul_add(h, elapsed)];
             peaks.pressure_time = [
@@ -129,10 +133,10 @@ impl<R: Real> Orbit<R> {
         // within the step the temperature is known roughly: it is computed anew where it may be the greatest
         let rough = Cubic::new(start.heat.falloff, trial.falloff(&system.rubbing, start, h, heat));
         let to_beat = peaks.temperature / system.surface_temperature * R::splat(1.0 - ROUGH);
-        if !rough.stays_below(R::select(kept, to_beat, far)).all() {
+        if !rough.stays_below(R::select(accepted, to_beat, far)).all() {
             let (_, part) = rough.maximum();
             let temperature = self.falloff_within(system, flux, part, h) * system.surface_temperature;
-            peaks.temperature = R::select(kept, peaks.temperature.max(temperature), peaks.temperature);
+            peaks.temperature = R::select(accepted, peaks.temperature.max(temperature), peaks.temperature);
         }
     }
 
@@ -161,12 +165,12 @@ pub(super) fn advanced<R: Real>(step: &ModeStep<R>, mode: R, flux: [R; 3]) -> R 
     )
 }
 
-/// A record raised to the greatest value of a cubic in lanes that are kept.
+/// A record raised to the greatest value of a cubic in lanes that are accepted.
 #[inline(always)]
-fn raised<R: Real>(record: R, cubic: &Cubic<R>, kept: R::Mask) -> R {
-    if cubic.stays_below(R::select(kept, record, R::splat(FAR))).all() {
+fn raised<R: Real>(record: R, cubic: &Cubic<R>, accepted: R::Mask) -> R {
+    if cubic.stays_below(R::select(accepted, record, R::splat(FAR))).all() {
         return record;
     }
     let (highest, _) = cubic.maximum();
-    R::select(kept, record.max(highest), record)
+    R::select(accepted, record.max(highest), record)
 }
