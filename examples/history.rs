@@ -4,7 +4,7 @@
 
 use std::error::Error;
 
-use tribochaos::dynamics::history::history;
+use tribochaos::analysis::history;
 use tribochaos::{Experiment, Preset};
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -27,11 +27,11 @@
 //! | look at the results | [`Results`]: a column for each [`Quantity`], and the [`Class`] of a point; [`ParameterMap`]: the same over two axes, with [`map::border`] |
 //! | draw them | [`draw`]; with another style [`picture::draw`] |
 //! | store and open them | [`MapStore::create`], [`MapStore::open`] |
-//! | measure some points | [`measure::measure_batch`] on a [`backend`] |
-//! | follow a point over time | [`dynamics::history::history`] |
+//! | follow a point over time | [`analysis::history`] |
 //! | find onsets, sections, thresholds | [`analysis`] |
 //!
-//! The folder `examples/` has five short programs. Everything else is a part that these are made of.
+//! The folder `examples/` has five short programs. Everything else is a part that these are made of: `lanes`, `dynamics`, `backend`,
+//! `output` and `studies` are open to this project's own tests, benchmarks and program only, and may change at any time.
 //!
 //! # Features
 //!
@@ -61,16 +61,20 @@
 //! - [`studies`]: benchmarks, and the paper's figures and numbers, computed anew.
 
 pub mod analysis;
+#[doc(hidden)]
 pub mod backend;
 pub mod design;
+#[doc(hidden)]
 pub mod dynamics;
 pub mod engine;
 pub mod experiment;
+#[doc(hidden)]
 pub mod lanes;
 pub mod machine;
 pub mod map;
 pub mod measure;
 pub mod model;
+#[doc(hidden)]
 pub mod output;
 pub mod parameters;
 #[cfg(feature = "pictures")]
@@ -78,6 +82,7 @@ pub mod picture;
 pub mod results;
 #[cfg(feature = "store")]
 pub mod store;
+#[doc(hidden)]
 pub mod studies;
 
 pub use self::design::{Axis, Points};

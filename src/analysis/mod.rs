@@ -17,5 +17,7 @@ pub mod settling;
 
 use std::ops::ControlFlow;
 
+pub use crate::dynamics::history::{History, Sample, history};
+
 /// Hears how many instance-periods were done since it was last called; may break the work off.
 pub type Progress<'a> = dyn FnMut(u64) -> ControlFlow<()> + 'a;

@@ -86,7 +86,7 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
 }
 
 // Shaft speed and fit over a step of `h`: growth since its start, at the nodes. Growth, not values, so that the digits
-// of v are accepted. With sine and 1 - cosine of what the drive's phase grows by.
+// of v are not lost. With sine and 1 - cosine of what the drive's phase grows by.
 fn orbit_drive(orbit: ptr<function, Orbit>, system: System, ticks: f32, h: f32, elapsed: f32) -> Turned {
     let angle = ticks * (TAU / f32(TICKS));
     let first = rotation(angle * NODE_0);
