@@ -8,7 +8,7 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use tribochaos::backend::cpu::{CpuBackend, InstructionSet};
 use tribochaos::backend::gpu::{GpuBackend, GpuContext};
-use tribochaos::backend::{Backend, Slice, Stage};
+use tribochaos::backend::{Backend, Instance, Slice, Stage};
 use tribochaos::experiment::{Precision, Sampling, Settings};
 use tribochaos::studies::benchmark::kernels::Case;
 
@@ -137,7 +137,7 @@ const WARMING: u32 = 8;
 
 impl Phase {
     fn advance(&self, bencher: Bencher, backend: &mut dyn Backend) {
-        let instances = self.case.points();
+        let points = self.case.points();
         // the slices of all iterations stay within the measured periods
         let settings = Settings {
             sampling: Sampling {
@@ -146,7 +146,9 @@ impl Phase {
             },
             ..self.case.settings()
         };
-        backend.load(&settings, &instances).expect("the grid fits");
+        backend
+            .load(&settings, &Instance::starts(&points))
+            .expect("the grid fits");
         if self.case.scheme.carries_heat() {
             let warming = Slice {
                 stage: Stage::Transient,
@@ -158,7 +160,7 @@ impl Phase {
         }
         let mut first = 0;
         bencher
-            .counter(ItemsCount::new(instances.len() * PERIODS as usize))
+            .counter(ItemsCount::new(points.len() * PERIODS as usize))
             .bench_local(|| {
                 backend
                     .advance(&Slice {

@@ -166,6 +166,17 @@ impl ParameterSet {
         self[parameter] = value;
         self
     }
+
+    /// The set with the initial state (x0, y0).
+    #[must_use]
+    pub fn with_initial_state(self, [x, y]: [f64; 2]) -> Self {
+        self.with(Parameter::X0, x).with(Parameter::Y0, y)
+    }
+
+    /// (x0, y0).
+    pub fn initial_state(&self) -> [f64; 2] {
+        [self[Parameter::X0], self[Parameter::Y0]]
+    }
 }
 
 impl ParameterSet {

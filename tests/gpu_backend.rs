@@ -13,17 +13,19 @@ use std::time::{Duration, Instant};
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::shader_source::Lanes;
 use tribochaos::backend::gpu::{GpuBackend, GpuContext};
-use tribochaos::backend::{Backend, BackendError, BackendKind, Slice, Stage};
+use tribochaos::backend::{Backend, BackendError, BackendKind, Instance, Slice, Stage};
 use tribochaos::experiment::{Integration, Precision, Request, Sampling, Scheme, Settings};
 use tribochaos::measure::{Measurement, Status, measure_batch};
 use tribochaos::parameters::{Parameter, ParameterSet};
 
 use points::line;
 
-fn measure(backend: &mut dyn Backend, settings: &Settings, instances: &[ParameterSet]) -> Vec<Measurement> {
-    measure_batch(backend, settings, instances, &mut |_| ControlFlow::Continue(()))
-        .unwrap()
-        .expect("nothing breaks the run off")
+fn measure(backend: &mut dyn Backend, settings: &Settings, points: &[ParameterSet]) -> Vec<Measurement> {
+    measure_batch(backend, settings, &Instance::starts(points), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap()
+    .expect("nothing breaks the run off")
 }
 
 /// A backend whose threads have so many lanes.
@@ -67,7 +69,7 @@ fn a_batch_of_more_workgroups_than_a_dispatch_may_have_is_carried_on_whole() {
         },
         ..Settings::default()
     };
-    let instances = line(70_000);
+    let instances = Instance::starts(&line(70_000));
     let mut gpu = GpuBackend::new(context.with_lanes(Lanes::One));
     let mut cpu = CpuBackend::new(Precision::F32);
     let mut ends = Vec::new();
@@ -161,9 +163,47 @@ fn lanes_do_not_feel_their_neighbours() {
 }
 
 #[test]
+fn a_run_that_is_taken_up_again_goes_on_as_if_it_had_not_been_interrupted() {
+    let points = line(33);
+    for lanes in Lanes::ALL {
+        let Some(mut backend) = with_lanes(lanes) else { return };
+        for scheme in [Scheme::Taylor, Scheme::Rk4] {
+            let settings = Settings {
+                integration: scheme.into(),
+                ..cheap()
+            };
+            // by the same kernel in all periods, which a driver may translate otherwise than the next one
+            let mut advance = |instances: Option<&[Instance]>| -> Vec<Instance> {
+                if let Some(instances) = instances {
+                    backend.load(&settings, instances).unwrap();
+                }
+                let slice = Slice {
+                    stage: Stage::Align,
+                    first: 0,
+                    periods: 10,
+                    elapsed: 0,
+                };
+                backend.advance(&slice).unwrap();
+                let ends = backend.end_states().unwrap();
+                let taken_up = points.iter().zip(ends).map(|(&parameters, end)| Instance {
+                    parameters,
+                    state: [end.x, end.y],
+                    tangent: end.tangent,
+                });
+                taken_up.collect()
+            };
+            let middle = advance(Some(&Instance::starts(&points)));
+            let expected = advance(None);
+            assert_ne!(middle, expected, "{scheme:?} {lanes:?}");
+            assert_eq!(advance(Some(&middle)), expected, "{scheme:?} {lanes:?}");
+        }
+    }
+}
+
+#[test]
 fn slices_add_up_and_sums_are_collected_once() {
     let Some(context) = gpu_context::open() else { return };
-    let (settings, instances) = (cheap(), line(50));
+    let (settings, instances) = (cheap(), Instance::starts(&line(50)));
     let mut backend = GpuBackend::new(context);
     let mut run = |cuts: &[u32]| {
         backend.load(&settings, &instances).unwrap();
@@ -265,7 +305,7 @@ fn a_device_lost_in_the_middle_of_a_run_is_reported_at_once() {
     let Some(context) = gpu_context::open() else { return };
     let device = context.device().clone();
     let mut backend = GpuBackend::new(context);
-    let instances = line(64);
+    let instances = Instance::starts(&line(64));
     // one load for the whole run
     let settings = Settings {
         sampling: Sampling {
@@ -313,7 +353,9 @@ fn a_device_lost_while_it_computes_is_reported_at_once() {
         },
         ..Settings::default()
     };
-    let result = measure_batch(&mut backend, &endless, &line(512), &mut |_| ControlFlow::Continue(()));
+    let result = measure_batch(&mut backend, &endless, &Instance::starts(&line(512)), &mut |_| {
+        ControlFlow::Continue(())
+    });
     let lost_at = killer.join().unwrap();
     assert!(matches!(result, Err(BackendError::DeviceLost(_))), "{result:?}");
     assert!(lost_at.elapsed() < Duration::from_secs(5));
@@ -324,7 +366,7 @@ fn a_device_lost_before_a_batch_is_loaded_is_reported_as_lost() {
     let Some(context) = gpu_context::open() else { return };
     context.device().destroy();
     let mut backend = GpuBackend::new(context);
-    let result = backend.load(&cheap(), &line(10));
+    let result = backend.load(&cheap(), &Instance::starts(&line(10)));
     assert!(matches!(result, Err(BackendError::DeviceLost(_))), "{result:?}");
 }
 
@@ -332,8 +374,8 @@ fn a_device_lost_before_a_batch_is_loaded_is_reported_as_lost() {
 fn what_the_gpu_cannot_do_is_refused_with_a_remedy() {
     let Some(context) = gpu_context::open() else { return };
     let mut backend = GpuBackend::new(context);
-    let set = ParameterSet::default();
-    let mut refusal = |settings: &Settings, instances: &[ParameterSet]| {
+    let instance = ParameterSet::default().into();
+    let mut refusal = |settings: &Settings, instances: &[Instance]| {
         let error = backend.load(settings, instances).unwrap_err();
         assert!(matches!(error, BackendError::Unsupported(_)), "{error:?}");
         error.to_string()
@@ -345,12 +387,12 @@ fn what_the_gpu_cannot_do_is_refused_with_a_remedy() {
         },
         ..Settings::default()
     };
-    let message = refusal(&many_steps(8193), &[set]);
+    let message = refusal(&many_steps(8193), &[instance]);
     assert!(
         message.contains("8193") && message.contains("8192") && message.contains("--backend cpu"),
         "{message}"
     );
-    backend.load(&many_steps(8192), &[set]).unwrap();
+    backend.load(&many_steps(8192), &[instance]).unwrap();
 }
 
 #[test]
@@ -363,7 +405,7 @@ fn a_batch_larger_than_a_buffer_is_refused_and_a_smaller_one_taken() {
     }
     let mut backend = GpuBackend::new(context);
     assert!(backend.batch_size(&cheap()) <= most);
-    let instances = vec![ParameterSet::default(); most + 1];
+    let instances = vec![Instance::from(ParameterSet::default()); most + 1];
     let error = backend.load(&cheap(), &instances).unwrap_err();
     assert!(error.to_string().contains(&most.to_string()), "{error}");
     backend.load(&cheap(), &instances[..1]).unwrap();

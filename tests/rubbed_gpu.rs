@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
-use tribochaos::backend::{Backend, BackendError, Slice, Stage};
+use tribochaos::backend::{Backend, BackendError, Instance, Slice, Stage};
 use tribochaos::experiment::{Integration, Precision, Preset, Sampling, Scheme, Settings};
 use tribochaos::measure::{Measurement, Status, measure_batch};
 use tribochaos::parameters::{Parameter, ParameterSet};
@@ -37,10 +37,12 @@ fn settings() -> Settings {
     }
 }
 
-fn measure(backend: &mut dyn Backend, settings: &Settings, instances: &[ParameterSet]) -> Vec<Measurement> {
-    measure_batch(backend, settings, instances, &mut |_| ControlFlow::Continue(()))
-        .unwrap()
-        .expect("nothing breaks the run off")
+fn measure(backend: &mut dyn Backend, settings: &Settings, points: &[ParameterSet]) -> Vec<Measurement> {
+    measure_batch(backend, settings, &Instance::starts(points), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap()
+    .expect("nothing breaks the run off")
 }
 
 /// All of a measurement; floats in full.
@@ -126,7 +128,7 @@ fn short_trajectories_are_those_of_the_cpu() {
     let Some(context) = gpu_context::open() else { return };
     let settings = settings();
     // wear and none, a ramp and none, a thin layer, heat alone, and neither heat nor wear
-    let instances: Vec<_> = (0..128)
+    let points: Vec<_> = (0..128)
         .map(|i| {
             let set = preset(0.1 * f64::from(i), 0.01 * f64::from(i % 3));
             match i % 8 {
@@ -144,6 +146,7 @@ fn short_trajectories_are_those_of_the_cpu() {
         .collect();
     let mut gpu = GpuBackend::new(context);
     let mut cpu = CpuBackend::new(Precision::F64);
+    let instances = Instance::starts(&points);
     gpu.load(&settings, &instances).unwrap();
     cpu.load(&settings, &instances).unwrap();
     for first in 0..3 {
@@ -189,13 +192,13 @@ fn neither_the_batch_nor_the_slices_nor_what_ran_before_show_in_the_results() {
         ..settings()
     };
     // those with wear and those without are carried on apart
-    let instances: Vec<_> = (0..150)
+    let points: Vec<_> = (0..150)
         .map(|i| preset(0.05 * f64::from(i), 0.01 * f64::from(i % 2)))
         .collect();
     let mut backend = GpuBackend::new(context);
-    let all = text(&measure(&mut backend, &settings, &instances));
-    let mut parts = text(&measure(&mut backend, &settings, &instances[..70]));
-    parts.extend(text(&measure(&mut backend, &settings, &instances[70..])));
+    let all = text(&measure(&mut backend, &settings, &points));
+    let mut parts = text(&measure(&mut backend, &settings, &points[..70]));
+    parts.extend(text(&measure(&mut backend, &settings, &points[70..])));
     assert_eq!(parts, all);
     // other kernels in between, of another number of modes and of another scheme
     let other = Settings {
@@ -205,16 +208,16 @@ fn neither_the_batch_nor_the_slices_nor_what_ran_before_show_in_the_results() {
         },
         ..settings
     };
-    measure(&mut backend, &other, &instances[..5]);
+    measure(&mut backend, &other, &points[..5]);
     let rk4 = Settings {
         integration: Scheme::Rk4.into(),
         ..settings
     };
     measure(&mut backend, &rk4, &[ParameterSet::default()]);
-    assert_eq!(text(&measure(&mut backend, &settings, &instances)), all);
+    assert_eq!(text(&measure(&mut backend, &settings, &points)), all);
 
     let mut run = |cuts: &[u32]| {
-        backend.load(&settings, &instances).unwrap();
+        backend.load(&settings, &Instance::starts(&points)).unwrap();
         let mut first = 0;
         for &periods in cuts {
             let slice = Slice {
@@ -268,7 +271,7 @@ fn numbers_of_modes_beyond_the_shader_s_are_refused() {
             },
             ..settings()
         };
-        let error = backend.load(&settings, &[preset(3.0, 0.0)]).unwrap_err();
+        let error = backend.load(&settings, &[preset(3.0, 0.0).into()]).unwrap_err();
         assert!(matches!(error, BackendError::Unsupported(_)), "{error:?}");
         assert!(
             error.to_string().contains("64") && error.to_string().contains("--modes"),

@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
 use tribochaos::backend::gpu::shader_source::Lanes;
-use tribochaos::backend::{Backend, Slice, Stage};
+use tribochaos::backend::{Backend, Instance, Slice, Stage};
 use tribochaos::experiment::{Precision, Sampling, Scheme, Settings};
 use tribochaos::measure::{Class, Measurement, measure_batch};
 
@@ -35,7 +35,7 @@ fn short_trajectories_part_no_faster_than_roundings_add_up() {
 
 fn assert_short_trajectories(gpu: &mut GpuBackend, scheme: Scheme, of_a_step: f64) {
     // an odd number, so that lanes are to spare
-    let instances = line(255);
+    let instances = Instance::starts(&line(255));
     let settings = Settings {
         integration: scheme.into(),
         ..Settings::default()
@@ -90,7 +90,7 @@ fn long_orbits_agree_closely_where_regular_and_within_their_errors_where_chaotic
         },
         ..Settings::default()
     };
-    let instances = line(192);
+    let instances = Instance::starts(&line(192));
     let measure = |backend: &mut dyn Backend| {
         measure_batch(backend, &settings, &instances, &mut |_| ControlFlow::Continue(()))
             .unwrap()

@@ -5,12 +5,10 @@
 use std::ops::ControlFlow;
 
 use super::Progress;
-use super::exponents;
 use super::orbits::{is_bounded, stroboscopic_states};
-use crate::backend::{Backend, BackendError};
+use crate::backend::{Backend, BackendError, Instance};
 use crate::design::{Axis, Design, Fixed};
 use crate::experiment::Settings;
-use crate::parameters::ParameterSet;
 
 /// Where the orbits of a column begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -71,9 +69,9 @@ pub fn diagram(
         runaways: 0,
     };
     let design = Design::product(vec![axis.clone()], *at);
-    let from = |column: usize, start: [f64; 2]| exponents::from(&design.point(column), start);
+    let from = |column: usize, state: [f64; 2]| Instance::new(design.point(column), state);
     if columns == Columns::Fresh {
-        let instances: Vec<ParameterSet> = (0..axis.count())
+        let instances: Vec<Instance> = (0..axis.count())
             .flat_map(|column| starts.iter().map(move |&start| (column, start)))
             .map(|(column, start)| from(column, start))
             .collect();
@@ -91,7 +89,7 @@ pub fn diagram(
     }
     let mut current = starts.to_vec();
     for column in order {
-        let instances: Vec<ParameterSet> = current.iter().map(|&state| from(column, state)).collect();
+        let instances: Vec<Instance> = current.iter().map(|&state| from(column, state)).collect();
         let states = &mut diagram.columns[column];
         let mut visit = |_: usize, state| states.push(state);
         let Some(ends) = stroboscopic_states(backend, settings, &instances, &mut visit, progress)? else {
@@ -116,6 +114,7 @@ mod tests {
     use crate::backend::cpu::CpuBackend;
     use crate::experiment::Precision;
     use crate::experiment::Sampling;
+    use crate::parameters::ParameterSet;
 
     fn compute(axis: &str, starts: &[[f64; 2]], columns: Columns) -> Diagram {
         let settings = Settings {

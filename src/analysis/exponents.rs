@@ -7,7 +7,6 @@ use crate::design::{Axis, Design, Fixed};
 use crate::engine::{Backends, Observer};
 use crate::experiment::Settings;
 use crate::measure::Measurement;
-use crate::parameters::{Parameter, ParameterSet};
 
 /// Measurements over an axis from one initial state.
 #[derive(Clone, Debug)]
@@ -49,9 +48,4 @@ pub fn lines(
         });
     }
     Ok(Some(lines))
-}
-
-/// The point, started from (x, y).
-pub fn from(at: &ParameterSet, [x, y]: [f64; 2]) -> ParameterSet {
-    at.with(Parameter::X0, x).with(Parameter::Y0, y)
 }

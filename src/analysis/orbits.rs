@@ -4,14 +4,13 @@
 //! Knows nothing of what states are for.
 
 use super::Progress;
-use crate::backend::{Backend, BackendError, EndState, Slice, Stage, check_model};
+use crate::backend::{Backend, BackendError, EndState, Instance, Slice, Stage, check_model};
 use crate::experiment::Settings;
-use crate::parameters::ParameterSet;
 
 /// Longest slice, so that progress shows and the work can be broken off.
 const LONGEST_SLICE: u32 = 16;
 
-/// Carries instances from their initial states over `settings.sampling.transient_periods` and then `sampling.periods` forcing
+/// Carries instances from where they begin over `settings.sampling.transient_periods` and then `sampling.periods` forcing
 /// periods; `visit(instance, [x, y])` is called at the end of each of the latter, at drive phase 0, for every instance that has
 /// neither run away nor been given up. Returns the states at the end, in the order of the instances; None if `progress` broke the work off.
 ///
@@ -20,7 +19,7 @@ const LONGEST_SLICE: u32 = 16;
 pub fn stroboscopic_states(
     backend: &mut dyn Backend,
     settings: &Settings,
-    instances: &[ParameterSet],
+    instances: &[Instance],
     visit: &mut dyn FnMut(usize, [f64; 2]),
     progress: &mut Progress<'_>,
 ) -> Result<Option<Vec<EndState>>, BackendError> {
@@ -75,7 +74,7 @@ mod tests {
     use crate::analysis::path::{PathPoint, path};
     use crate::backend::cpu::CpuBackend;
     use crate::experiment::{Precision, Sampling, Scheme};
-    use crate::parameters::Parameter;
+    use crate::parameters::{Parameter, ParameterSet};
 
     fn settings(transient_periods: u32, periods: u32) -> Settings {
         Settings {
@@ -101,28 +100,28 @@ mod tests {
     }
 
     fn assert_agreement(settings: &Settings, bound: f64) {
-        let instances: Vec<ParameterSet> = (0..70)
+        let points: Vec<ParameterSet> = (0..70)
             .map(|k| ParameterSet::default().with(Parameter::ZetaK, 0.05 * f64::from(k)))
             .collect();
-        let mut states = vec![Vec::new(); instances.len()];
+        let mut states = vec![Vec::new(); points.len()];
         let ends = stroboscopic_states(
             &mut CpuBackend::new(Precision::F64),
             settings,
-            &instances,
+            &Instance::starts(&points),
             &mut |instance, state| states[instance].push(state),
             &mut |_| ControlFlow::Continue(()),
         )
         .unwrap()
         .unwrap();
-        assert_eq!(ends.len(), instances.len());
-        for (instance, states) in instances.iter().zip(&states) {
-            let path = path(instance, settings, 100).points;
+        assert_eq!(ends.len(), points.len());
+        for (point, states) in points.iter().zip(&states) {
+            let path = path(point, settings, 100).points;
             let strobes: Vec<&PathPoint> = path.iter().filter(|point| point.is_stroboscopic).collect();
             assert_eq!((strobes.len(), states.len()), (17, 16));
             for (strobe, [x, y]) in strobes[1..].iter().zip(states) {
                 assert!((strobe.x - x).abs() < bound && (strobe.y - y).abs() < bound);
             }
-            let period = instance.forcing_period();
+            let period = point.forcing_period();
             assert!((path.last().unwrap().tau - 16.0 * period).abs() < 1e-9);
             assert!(path.windows(2).all(|pair| pair[0].tau < pair[1].tau) && path.len() >= 16 * 100);
         }
@@ -132,7 +131,7 @@ mod tests {
     fn orbits_that_run_away_are_left_out_from_then_on() {
         // without the cubic spring the saddle repels for ever
         let runaway = ParameterSet::default().with(Parameter::B, -1.0);
-        let instances = [runaway, ParameterSet::default()];
+        let instances = [runaway, ParameterSet::default()].map(Instance::from);
         let mut counts = [0; 2];
         let ends = stroboscopic_states(
             &mut CpuBackend::new(Precision::F64),
@@ -153,7 +152,7 @@ mod tests {
         let broken = stroboscopic_states(
             &mut CpuBackend::new(Precision::F64),
             &settings(100, 100),
-            &[ParameterSet::default()],
+            &[ParameterSet::default().into()],
             &mut |_, _| panic!("broken off before"),
             &mut |_| ControlFlow::Break(()),
         );

@@ -158,15 +158,13 @@ struct FixedSteps {
 impl FixedSteps {
     fn new(parameters: &ParameterSet, steps: u32) -> Self {
         let h = parameters.forcing_period() / f64::from(steps);
+        let [x, y] = parameters.initial_state();
         Self {
             motion: Motion::new(|parameter| parameters[parameter]),
             step_size: StepSize::new(|_| h),
             drive: DriveTable::new::<f64>(steps),
             steps,
-            state: rk4::State {
-                x: parameters[Parameter::X0],
-                y: parameters[Parameter::Y0],
-            },
+            state: rk4::State { x, y },
         }
     }
 }
@@ -205,12 +203,13 @@ struct TaylorSteps {
 
 impl TaylorSteps {
     fn new(parameters: &ParameterSet, steps_per_period: u32) -> Self {
+        let [x, y] = parameters.initial_state();
         Self {
             flow: Flow::of(parameters, steps_per_period),
             unit: taylor::unit_of_time(parameters[Parameter::Omega0]),
             most_passes: taylor::most_passes(parameters.forcing_period()),
-            x: parameters[Parameter::X0],
-            y: parameters[Parameter::Y0],
+            x,
+            y,
         }
     }
 }

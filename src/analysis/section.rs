@@ -7,9 +7,9 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::Progress;
 use super::orbits::{is_bounded, stroboscopic_states};
-use crate::backend::{Backend, BackendError};
+use crate::backend::{Backend, BackendError, Instance};
 use crate::experiment::Settings;
-use crate::parameters::{Parameter, ParameterSet};
+use crate::parameters::ParameterSet;
 
 /// Orbits that share the work: enough to fill the lanes of all cores, few enough for the transients not to take most of it.
 pub const ORBITS: u32 = 2048;
@@ -46,7 +46,8 @@ pub fn section(
 ) -> Result<Option<Section>, BackendError> {
     let mut generator = ChaCha8Rng::seed_from_u64(settings.sampling.seed.into());
     let mut deviation = || ((generator.next_u64() >> 11) as f64 / (1u64 << 52) as f64 - 1.0) * SPREAD;
-    let instances: Vec<ParameterSet> = (0..orbits)
+    let [x, y] = at.initial_state();
+    let instances: Vec<Instance> = (0..orbits)
         .map(|orbit| {
             // the first begins where it was asked for
             let [dx, dy] = if orbit == 0 {
@@ -54,8 +55,7 @@ pub fn section(
             } else {
                 [deviation(), deviation()]
             };
-            at.with(Parameter::X0, at[Parameter::X0] + dx)
-                .with(Parameter::Y0, at[Parameter::Y0] + dy)
+            Instance::new(*at, [x + dx, y + dy])
         })
         .collect();
     let mut points = Vec::with_capacity(orbits as usize * settings.sampling.periods as usize);

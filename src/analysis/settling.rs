@@ -5,10 +5,9 @@
 use rayon::prelude::*;
 
 use super::Progress;
-use super::exponents::from;
 use super::orbits::is_bounded;
 use crate::backend::cpu::CpuBackend;
-use crate::backend::{Backend, BackendError, BackendKind, EndState, Slice, Stage, Sums, check_model};
+use crate::backend::{Backend, BackendError, BackendKind, EndState, Instance, Slice, Stage, Sums, check_model};
 use crate::dynamics::stroboscope::{most_states, period_of, span_of};
 use crate::experiment::{Precision, Sampling, Scheme, Settings};
 use crate::measure::fallback;
@@ -69,8 +68,9 @@ pub fn follow(
     longest: u32,
     progress: &mut Progress<'_>,
 ) -> Result<Option<Vec<Fate>>, BackendError> {
-    check_model(&settings.integration, std::slice::from_ref(at))?;
-    let Some(mut fates) = follow_by_one(backend, settings, at, starts, longest, progress)? else {
+    let instances: Vec<Instance> = starts.iter().map(|&start| Instance::new(*at, start)).collect();
+    check_model(&settings.integration, &instances)?;
+    let Some(mut fates) = follow_by_one(backend, settings, &instances, longest, progress)? else {
         return Ok(None);
     };
     let (mut scheme, mut kind) = (settings.integration.scheme, backend.kind());
@@ -90,11 +90,11 @@ pub fn follow(
         }
         (scheme, kind) = (fallback::next(scheme, kind), BackendKind::CpuF64);
         let settings = fallback::in_place(settings, scheme);
-        let starts: Vec<[f64; 2]> = given_up.iter().map(|&index| starts[index]).collect();
+        let again: Vec<Instance> = given_up.iter().map(|&index| instances[index]).collect();
         // they were reported as done before
         let progress = &mut |_| progress(0);
         let cpu = &mut CpuBackend::new(Precision::F64);
-        let Some(anew) = follow_by_one(cpu, &settings, at, &starts, longest, progress)? else {
+        let Some(anew) = follow_by_one(cpu, &settings, &again, longest, progress)? else {
             return Ok(None);
         };
         for (index, fate) in given_up.into_iter().zip(anew) {
@@ -108,8 +108,7 @@ pub fn follow(
 fn follow_by_one(
     backend: &mut dyn Backend,
     settings: &Settings,
-    at: &ParameterSet,
-    starts: &[[f64; 2]],
+    instances: &[Instance],
     longest: u32,
     progress: &mut Progress<'_>,
 ) -> Result<Option<Vec<Fate>>, BackendError> {
@@ -124,11 +123,11 @@ fn follow_by_one(
         ..*settings
     };
     let kept = (MOST_KEPT / periods as usize).max(LEAST_BATCH);
-    let mut fates = Vec::with_capacity(starts.len());
-    for batch in starts.chunks(backend.batch_size(settings).min(kept)) {
-        let instances: Vec<ParameterSet> = batch.iter().map(|&start| from(at, start)).collect();
-        backend.load(settings, &instances)?;
-        let mut tracks: Vec<Track> = batch.iter().map(|&start| Track::new(start, periods)).collect();
+    let mut fates = Vec::with_capacity(instances.len());
+    for batch in instances.chunks(backend.batch_size(settings).min(kept)) {
+        backend.load(settings, batch)?;
+        let tracks = batch.iter().map(|instance| Track::new(instance.state, periods));
+        let mut tracks: Vec<Track> = tracks.collect();
         for first in 0..periods {
             backend.advance(&Slice {
                 stage: Stage::Measure,

@@ -6,25 +6,37 @@ pub mod contact;
 pub mod cpu;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod instance;
 pub mod kind;
 pub mod twins;
 
 pub use self::contact::Contact;
+pub use self::instance::Instance;
 pub use self::kind::BackendKind;
 
 use crate::dynamics::divergence_check;
 use crate::experiment::{Integration, Settings};
-use crate::parameters::ParameterSet;
 
 /// Whether a scheme carries the heat and wear of some instances.
 ///
 /// # Errors
 /// If it does not.
-pub fn check_model(integration: &Integration, instances: &[ParameterSet]) -> Result<(), BackendError> {
-    let rubbed = instances.iter().any(ParameterSet::is_rubbed);
+pub fn check_model(integration: &Integration, instances: &[Instance]) -> Result<(), BackendError> {
+    let rubbed = instances.iter().any(|instance| instance.parameters.is_rubbed());
     integration
         .check_model(rubbed)
         .map_err(|error| BackendError::Unsupported(error.to_string()))
+}
+
+/// Whether instances with heat or wear begin with the tangent vector that all motion begins with.
+fn check_tangents(instances: &[Instance]) -> Result<(), BackendError> {
+    let is_told = |instance: &Instance| instance.has_first_tangent() || !instance.parameters.is_rubbed();
+    if instances.iter().all(is_told) {
+        Ok(())
+    } else {
+        let error = "tangent vectors with heat or wear are more than a direction in (x, y)";
+        Err(BackendError::Unsupported(error.to_owned()))
+    }
 }
 
 /// What the forcing periods of a slice are for.
@@ -122,19 +134,14 @@ pub trait Backend {
     /// A good number of instances for one batch: enough to fill the device, not more than it holds.
     fn batch_size(&self, settings: &Settings) -> usize;
 
-    /// Takes a new batch, at the beginning of its run; what was loaded before is dropped.
+    /// Takes a new batch; what was loaded before is dropped. From the state and the tangent vector that an instance had at the
+    /// end of a run, a run whose contact pressure is constant goes on as if it had not been interrupted. Heat and wear begin
+    /// at the beginning.
     ///
     /// # Errors
-    /// If the device cannot hold the batch or is lost.
-    fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError>;
-
-    /// Turns the first tangent vectors to these directions, of length 1, in the order of `load`; the second ones stand
-    /// across. Without it the first ones begin as (1, 0). With the states as initial states of the instances, a run whose
-    /// contact pressure is constant goes on as if it had not been interrupted.
-    ///
-    /// # Errors
-    /// As [`Backend::load`]; and with heat or wear, whose tangent space has more dimensions.
-    fn set_tangents(&mut self, tangents: &[[f64; 2]]) -> Result<(), BackendError>;
+    /// If the device cannot hold the batch or is lost; and if an instance with heat or wear, whose tangent space has more
+    /// dimensions, has another tangent vector than (1, 0).
+    fn load(&mut self, settings: &Settings, instances: &[Instance]) -> Result<(), BackendError>;
 
     /// Begins a new run of these settings where the batch of heat or wear stands. Only their lengths and their tolerance may be
     /// others than those it was loaded with, and it may be no longer.
@@ -172,11 +179,4 @@ pub enum BackendError {
     Unsupported(String),
     #[error("the GPU refused a command, which is an error of this program; please report it: {0}")]
     Internal(String),
-}
-
-impl BackendError {
-    /// Why no tangent vectors can be set where there is heat or wear.
-    fn tangents_with_heat() -> Self {
-        Self::Unsupported("tangent vectors with heat or wear are more than a direction in (x, y)".to_owned())
-    }
 }

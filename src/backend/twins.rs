@@ -5,7 +5,7 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use super::{Backend, BackendError, Slice, Stage};
+use super::{Backend, BackendError, Instance, Slice, Stage};
 use crate::experiment::Settings;
 use crate::parameters::{Parameter, ParameterSet};
 
@@ -60,7 +60,7 @@ pub fn compare(a: &mut dyn Backend, b: &mut dyn Backend) -> Result<Twins, Backen
 }
 
 /// x, y, both growths and the divergence of each instance.
-fn run(backend: &mut dyn Backend, instances: &[ParameterSet]) -> Result<Vec<[f64; 5]>, BackendError> {
+fn run(backend: &mut dyn Backend, instances: &[Instance]) -> Result<Vec<[f64; 5]>, BackendError> {
     backend.load(&Settings::default(), instances)?;
     backend.advance(&Slice {
         stage: Stage::Transient,
@@ -85,7 +85,7 @@ fn run(backend: &mut dyn Backend, instances: &[ParameterSet]) -> Result<Vec<[f64
 
 /// Instances with every parameter drawn from a range around its default, in which motion stays bounded and the two
 /// tangent vectors do not become parallel, to f32, between two renormalisations.
-fn random_instances(count: usize) -> Vec<ParameterSet> {
+fn random_instances(count: usize) -> Vec<Instance> {
     use Parameter::{Alpha, B, Beta, Epsilon, Epsilon0, F0, H1, Omega0, OmegaK, X0, Y0, ZetaK};
     let mut generator = ChaCha8Rng::seed_from_u64(1);
     let mut uniform = |low: f64, high: f64| low + (high - low) * f64::from(generator.next_u32()) / 4_294_967_296.0;
@@ -109,6 +109,7 @@ fn random_instances(count: usize) -> Vec<ParameterSet> {
             .fold(ParameterSet::default(), |set, (parameter, low, high)| {
                 set.with(parameter, uniform(low, high))
             })
+            .into()
         })
         .collect()
 }
@@ -147,15 +148,12 @@ mod tests {
             fn batch_size(&self, settings: &Settings) -> usize {
                 self.0.batch_size(settings)
             }
-            fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
-                let bent: Vec<_> = instances
-                    .iter()
-                    .map(|set| set.with(Parameter::Alpha, set[Parameter::Alpha] + 1e-3))
-                    .collect();
+            fn load(&mut self, settings: &Settings, instances: &[Instance]) -> Result<(), BackendError> {
+                let mut bent = instances.to_vec();
+                for instance in &mut bent {
+                    instance.parameters[Parameter::Alpha] += 1e-3;
+                }
                 self.0.load(settings, &bent)
-            }
-            fn set_tangents(&mut self, tangents: &[[f64; 2]]) -> Result<(), BackendError> {
-                self.0.set_tangents(tangents)
             }
             fn begin_anew(&mut self, settings: &Settings) {
                 self.0.begin_anew(settings);

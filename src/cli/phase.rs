@@ -3,7 +3,6 @@
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use tribochaos::analysis::exponents::from;
 use tribochaos::analysis::path::path;
 use tribochaos::design::{Coordinate, Points};
 use tribochaos::experiment::Request;
@@ -90,7 +89,11 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
             .map(|&coordinate| analysis::value_of(point, coordinate))
             .collect();
         for &start in starts {
-            let path = path(&from(point.parameters(), start), settings, POINTS_PER_PERIOD);
+            let path = path(
+                &point.parameters().with_initial_state(start),
+                settings,
+                POINTS_PER_PERIOD,
+            );
             rows.extend(path.points.iter().map(|p| {
                 let is_stroboscopic = f64::from(u8::from(p.is_stroboscopic));
                 [&start[..], &values, &[p.tau, p.x, p.y, is_stroboscopic]].concat()
@@ -122,7 +125,7 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
                 name.join(", ")
             };
             objects.push(json!({
-                "parameters": analysis::parameters(&from(point.parameters(), start)),
+                "parameters": analysis::parameters(&point.parameters().with_initial_state(start)),
                 "last": path.points.last().map(|p| [p.x, p.y]),
                 "status": path.status.name(),
             }));

@@ -7,7 +7,6 @@ use tribochaos::dynamics::spectrum::{Spectrum, lyapunov_spectrum};
 use tribochaos::engine::{Backends, choice};
 use tribochaos::experiment::{Experiment, Integration, Precision, Scheme, Settings};
 use tribochaos::measure::{Measurement, Status, is_scheme_to_blame};
-use tribochaos::parameters::Parameter;
 
 use super::analysis::OutArgs;
 use super::lifetime::LifetimeArgs;
@@ -65,12 +64,7 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
         .ok_or_else(|| Failure::Interrupted("nothing was measured".into()))?;
     let m = &measured[0];
     // of the initial state whose exponent is reported
-    let [x0, y0] = m.initial_state;
-    let instance = experiment
-        .design
-        .point(0)
-        .with(Parameter::X0, x0)
-        .with(Parameter::Y0, y0);
+    let instance = experiment.design.point(0).with_initial_state(m.initial_state);
     // the paper's spectrum is that of a constant pressure
     let spectrum = (args.gram_schmidt && m.status == Status::Ok && !instance.is_rubbed())
         .then(|| lyapunov_spectrum(&instance, &experiment.settings))

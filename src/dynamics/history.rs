@@ -61,7 +61,8 @@ pub fn history(parameters: &ParameterSet, integration: &Integration, shown: Rang
     let modes = HeatModes::new(parameters, &spectrum);
     let system = System::<f64>::new(|parameter| parameters[parameter], |_| &modes);
     let control = Control::new(integration);
-    let mut orbit = Orbit::start(&system, parameters[Parameter::X0], parameters[Parameter::Y0]);
+    let [x, y] = parameters.initial_state();
+    let mut orbit = Orbit::start(&system, x, y);
     let mut peaks = Peaks::start(&orbit);
     let mut scratch = vec![ModeStep::empty(); modes.rates.len()];
     let sample = |orbit: &Orbit<f64>| Sample {

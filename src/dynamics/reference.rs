@@ -40,7 +40,7 @@ type Vector = [f64; 5];
 impl ReferenceOrbit {
     /// The orbit at the beginning of its run, with the tangent vector (1, 0).
     pub fn new(parameters: &ParameterSet) -> Self {
-        let (x, y) = (parameters[Parameter::X0], parameters[Parameter::Y0]);
+        let [x, y] = parameters.initial_state();
         let v = parameters[Parameter::OmegaK] - y;
         Self {
             parameters: *parameters,

@@ -24,7 +24,8 @@ pub struct Spectrum {
 /// The spectrum over the measured periods of the settings, after their transient. None if the orbit runs away.
 pub fn lyapunov_spectrum(parameters: &ParameterSet, settings: &Settings) -> Option<Spectrum> {
     let orbit = Orbit::new(parameters, settings);
-    let mut state = Vector3::new(parameters[Parameter::X0], parameters[Parameter::Y0], 0.0);
+    let [x, y] = parameters.initial_state();
+    let mut state = Vector3::new(x, y, 0.0);
     let mut basis = Matrix3::identity();
     for _ in 0..settings.sampling.transient_periods - settings.sampling.align_periods {
         orbit.period(&mut state, &mut Matrix3::zeros());

@@ -5,11 +5,10 @@
 use std::ops::ControlFlow;
 
 use super::{Event, Observer, initial_states};
-use crate::backend::{Backend, BackendError};
+use crate::backend::{Backend, BackendError, Instance};
 use crate::design::Design;
 use crate::experiment::{Experiment, Settings};
 use crate::measure::{self, Measurement, Status};
-use crate::parameters::ParameterSet;
 
 /// An eighth of an experiment is no reason to make units smaller than this.
 const MIN_SHARE: usize = 4096;
@@ -65,7 +64,8 @@ impl Backends {
             let points = self.points_per_batch(settings).min(indices.len() - measurements.len());
             let instances: Vec<_> = indices[measurements.len()..][..points]
                 .iter()
-                .flat_map(|&index| initial_states::instances(design.point(index), &states))
+                .flat_map(|&index| initial_states::points(design.point(index), &states))
+                .map(Instance::from)
                 .collect();
             let mut progress = |instance_periods| observer(Event::Advanced(instance_periods));
             match measure_states(self.active.as_mut(), settings, &instances, &mut progress) {
@@ -95,7 +95,7 @@ impl Backends {
 fn measure_states(
     backend: &mut dyn Backend,
     settings: &Settings,
-    instances: &[ParameterSet],
+    instances: &[Instance],
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<Vec<Measurement>>, BackendError> {
     let Some(mut measured) = measure::measure_batch(backend, settings, instances, progress)? else {
@@ -105,7 +105,7 @@ fn measure_states(
     if unsettled.is_empty() {
         return Ok(Some(measured));
     }
-    let (indices, begun): (Vec<usize>, Vec<ParameterSet>) = unsettled.into_iter().unzip();
+    let (indices, begun): (Vec<usize>, Vec<Instance>) = unsettled.into_iter().unzip();
     // what was announced has been done
     let progress = &mut |_| progress(0);
     let longer = initial_states::carried_on(settings);
@@ -116,7 +116,6 @@ fn measure_states(
         let before = measured[index];
         let kept = if again.status == Status::Ok { again } else { before };
         measured[index] = Measurement {
-            initial_state: before.initial_state,
             integrated_periods: before.integrated_periods + again.integrated_periods,
             ..kept
         };

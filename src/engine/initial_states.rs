@@ -5,9 +5,10 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
+use crate::backend::Instance;
 use crate::experiment::{Sampling, Settings};
 use crate::measure::{Class, Measurement, Status};
-use crate::parameters::{Parameter, ParameterSet};
+use crate::parameters::ParameterSet;
 
 /// The initial states besides (x0, y0): uniform in the box, the same for every point, reproducible from the seed.
 pub fn offsets(sampling: &Sampling) -> Vec<[f64; 2]> {
@@ -21,25 +22,18 @@ pub fn offsets(sampling: &Sampling) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The instances of one point: its own (x0, y0) first.
-pub fn instances(point: ParameterSet, others: &[[f64; 2]]) -> impl Iterator<Item = ParameterSet> + '_ {
-    std::iter::once(point).chain(
-        others
-            .iter()
-            .map(move |&[x, y]| point.with(Parameter::X0, x).with(Parameter::Y0, y)),
-    )
+/// A point with each of its initial states: its own (x0, y0) first.
+pub fn points(point: ParameterSet, others: &[[f64; 2]]) -> impl Iterator<Item = ParameterSet> + '_ {
+    let others = others.iter().map(move |&state| point.with_initial_state(state));
+    std::iter::once(point).chain(others)
 }
 
 /// How many times its length a run is carried on that has not settled.
 const LONGER: u32 = 4;
 
-/// Those of several initial states of a point whose motion is bounded but has not surely settled: which they are, and their instances
-/// begun where they have got to. Heat is not told by a state (x, y), and cannot be taken up again.
-pub fn unsettled(
-    settings: &Settings,
-    instances: &[ParameterSet],
-    measured: &[Measurement],
-) -> Vec<(usize, ParameterSet)> {
+/// Those of several initial states of a point whose motion is bounded but has not surely settled: which they are, and where they
+/// have got to. Heat is not told by a state (x, y), and cannot be taken up again.
+pub fn unsettled(settings: &Settings, instances: &[Instance], measured: &[Measurement]) -> Vec<(usize, Instance)> {
     // what passes for a torus may be a slow approach to a cycle
     let goes_on = |m: &Measurement| match m.class {
         Some(Class::Regular | Class::Undecided) => !m.has_settled(),
@@ -48,11 +42,13 @@ pub fn unsettled(
     };
     (0..instances.len())
         .filter(|&index| {
-            settings.sampling.initial_states > 1 && !instances[index].is_rubbed() && goes_on(&measured[index])
+            settings.sampling.initial_states > 1
+                && !instances[index].parameters.is_rubbed()
+                && goes_on(&measured[index])
         })
         .map(|index| {
             let Measurement { x, y, .. } = measured[index];
-            (index, instances[index].with(Parameter::X0, x).with(Parameter::Y0, y))
+            (index, Instance::new(instances[index].parameters, [x, y]))
         })
         .collect()
 }

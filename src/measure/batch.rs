@@ -4,13 +4,12 @@
 
 use std::ops::ControlFlow;
 
-use super::whole_run::{self, Start};
-use super::{Measurement, fallback, scheme_error, undriven};
-use crate::backend::{Backend, BackendError, check_model};
+use super::{Measurement, fallback, scheme_error, undriven, whole_run};
+use crate::backend::{Backend, BackendError, Instance, check_model};
 use crate::experiment::{Sampling, Settings};
 use crate::parameters::ParameterSet;
 
-/// Runs a batch from its initial states to its measurements. `progress` hears after every slice how many
+/// Runs a batch from where it begins, points by [`Instance::starts`], to its measurements. `progress` hears after every slice how many
 /// instance-periods of a run at full length it did, and may break the run off; then None is returned.
 ///
 /// Instances whose contact wears have no transient: all their motion is one, and everything of it is measured, over
@@ -21,13 +20,13 @@ use crate::parameters::ParameterSet;
 pub fn measure_batch(
     backend: &mut dyn Backend,
     settings: &Settings,
-    instances: &[ParameterSet],
+    instances: &[Instance],
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<Vec<Measurement>>, BackendError> {
     check_model(&settings.integration, instances)?;
     let with = |wanted: &dyn Fn(&ParameterSet) -> bool| -> Vec<usize> {
         (0..instances.len())
-            .filter(|&index| wanted(&instances[index]))
+            .filter(|&index| wanted(&instances[index].parameters))
             .collect()
     };
     let constant = with(&|set| !set.is_rubbed());
@@ -53,11 +52,11 @@ pub fn measure_batch(
         }
         let instances: Vec<_> = indices
             .iter()
-            .map(|&index| undriven::instance(&instances[index]))
+            .map(|&index| undriven::instance(instances[index]))
             .collect();
         // all kinds count as a whole run, which is what was announced
         let progress = &mut |instance_periods: u64| progress(instance_periods * whole_run / share);
-        let batch = if instances[0].is_rubbed() {
+        let batch = if instances[0].parameters.is_rubbed() {
             measure_heated(backend, settings, &instances, progress)?
         } else {
             measure_constant(backend, settings, &instances, progress)?
@@ -77,7 +76,7 @@ pub fn measure_batch(
 fn measure_constant(
     backend: &mut dyn Backend,
     settings: &Settings,
-    instances: &[ParameterSet],
+    instances: &[Instance],
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<Vec<Measurement>>, BackendError> {
     let Some(mut measured) = fallback::measure(backend, settings, instances, progress)? else {
@@ -91,10 +90,10 @@ fn measure_constant(
 fn measure_heated(
     backend: &mut dyn Backend,
     settings: &Settings,
-    instances: &[ParameterSet],
+    instances: &[Instance],
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<Vec<Measurement>>, BackendError> {
-    let Some(mut measured) = whole_run::measure(backend, settings, instances, Start::default(), progress)? else {
+    let Some(mut measured) = whole_run::measure(backend, settings, instances, 0, progress)? else {
         return Ok(None);
     };
     let elapsed = settings.sampling.transient_periods + settings.sampling.periods;

@@ -6,11 +6,10 @@ use std::collections::BTreeMap;
 
 use super::evaluation::{checked, is_resolved, missed_by_scheme};
 use super::{Class, Measurement, Status};
-use crate::backend::{Backend, BackendError, BackendKind, Contact, EndState, Slice, Stage, Sums};
+use crate::backend::{Backend, BackendError, BackendKind, Contact, EndState, Instance, Slice, Stage, Sums};
 use crate::dynamics::divergence_check::CHECKED_EVERY;
 use crate::dynamics::floquet::{Multipliers, Turn};
 use crate::experiment::{Sampling, Settings};
-use crate::parameters::ParameterSet;
 
 /// Turns that are watched: two for the multipliers, one more for how sure they are.
 const TURNS: u32 = 3;
@@ -31,10 +30,7 @@ const ROUNDING: f64 = 100.0;
 
 /// An orbit that may be on a cycle.
 pub(super) struct Candidate {
-    /// The instance, begun in the present state.
-    pub instance: ParameterSet,
-    /// Its first tangent vector.
-    pub tangent: [f64; 2],
+    pub instance: Instance,
     /// Of the cycle or a multiple of it, in forcing periods.
     pub period: u32,
 }
@@ -87,10 +83,8 @@ fn turn_alike(
         },
         ..*settings
     };
-    let instances: Vec<ParameterSet> = candidates.iter().map(|candidate| candidate.instance).collect();
-    let tangents: Vec<[f64; 2]> = candidates.iter().map(|candidate| candidate.tangent).collect();
+    let instances: Vec<Instance> = candidates.iter().map(|candidate| candidate.instance).collect();
     backend.load(&settings, &instances)?;
-    backend.set_tangents(&tangents)?;
     let mut tracks: Vec<Track> = candidates.iter().map(|candidate| Track::new(candidate)).collect();
     let mut ends = Vec::new();
     for turn in 0..TURNS {
@@ -147,7 +141,7 @@ impl Track {
     fn new(candidate: &Candidate) -> Self {
         Self {
             turns: Vec::with_capacity(TURNS as usize),
-            tangent: candidate.tangent,
+            tangent: candidate.instance.tangent,
             divergence: 0.0,
             defect: 0.0,
             states: Vec::new(),
@@ -193,11 +187,12 @@ impl Track {
     /// The measurement of the orbit, which has ended as given; None where it is too far from a cycle, or it is not sure
     /// whether that attracts.
     fn measurement(&self, candidate: &Candidate, end: &EndState, backend: BackendKind) -> Option<Measurement> {
-        let may_be_cycle = candidate.instance.is_driven() || end.x_max - end.x_min < REST;
+        let parameters = &candidate.instance.parameters;
+        let may_be_cycle = parameters.is_driven() || end.x_max - end.x_min < REST;
         if end.runaway_periods.is_some() || end.under_resolved || !may_be_cycle {
             return None;
         }
-        let turn_time = f64::from(candidate.period) * candidate.instance.forcing_period();
+        let turn_time = f64::from(candidate.period) * parameters.forcing_period();
         let [before, last] = [0, 1].map(|i| Multipliers::new(&self.turns[i], &self.turns[i + 1]));
         let moduli = last.log_moduli();
         // an orbit's approach, and what it still changes, shrink by the multiplier in every turn
@@ -209,7 +204,7 @@ impl Track {
         let approach = (exponents[0] * turn_time).exp_m1().abs();
         let changes = [0, 1].map(|i| (before.log_moduli()[i] - moduli[i]).abs() / turn_time / approach);
         let defect = self.defect / turn_time;
-        let missed = missed_by_scheme(&candidate.instance, backend, exponents[0], defect);
+        let missed = missed_by_scheme(parameters, backend, exponents[0], defect);
         let errors = changes.map(|change| change + missed);
         let distance_from_one = last.distance_from_one();
         let left_to_go = self.moved() / distance_from_one;
@@ -241,6 +236,7 @@ impl Track {
             x_max: end.x_max,
             contact: Contact::CONSTANT,
             attractors: u32::from(class == Class::Regular),
+            initial_state: parameters.initial_state(),
             ..Measurement::unmeasured(Status::Ok, backend)
         };
         let resolved = is_resolved(&measurement);

@@ -13,12 +13,11 @@ use std::ops::{ControlFlow, Range};
 
 use super::cycle::{self, Candidate};
 use super::evaluation::{Ended, Growth, runaway};
-use super::whole_run::{self, Start};
+use super::whole_run;
 use super::{CONSTANT_GROWTH, Class, Measurement, Status};
-use crate::backend::{Backend, BackendError, BackendKind, Contact, EndState, Slice, Stage, Sums};
+use crate::backend::{Backend, BackendError, BackendKind, Contact, EndState, Instance, Slice, Stage, Sums};
 use crate::dynamics::statistics::Spread;
 use crate::experiment::{Sampling, Settings};
-use crate::parameters::{Parameter, ParameterSet};
 
 /// Lengths of the first legs, in forcing periods: the motion alone at first, then with its tangent vectors. Most cycles are
 /// reached by then; the legs that follow are of [`LATER_LEG`].
@@ -58,7 +57,7 @@ const LEAST_PERIODS: u32 = 192;
 pub(super) fn measure(
     backend: &mut dyn Backend,
     settings: &Settings,
-    instances: &[ParameterSet],
+    instances: &[Instance],
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<Vec<Measurement>>, BackendError> {
     let mut batch = Batch {
@@ -66,7 +65,7 @@ pub(super) fn measure(
         live: instances
             .iter()
             .enumerate()
-            .map(|(index, set)| Live::new(index, set))
+            .map(|(index, instance)| Live::new(index, instance))
             .collect(),
         measured: vec![None; instances.len()],
     };
@@ -105,9 +104,8 @@ fn legs(transient: u32) -> Vec<Range<u32>> {
 struct Live {
     /// In the batch as it was at first.
     index: usize,
-    parameters: ParameterSet,
-    state: [f64; 2],
-    tangent: [f64; 2],
+    /// Where it has got to.
+    instance: Instance,
     /// Of x, since growth counts.
     extremes: [f64; 2],
     growth: Growth,
@@ -120,12 +118,10 @@ struct Live {
 }
 
 impl Live {
-    fn new(index: usize, parameters: &ParameterSet) -> Self {
+    fn new(index: usize, instance: &Instance) -> Self {
         Self {
             index,
-            parameters: *parameters,
-            state: [parameters[Parameter::X0], parameters[Parameter::Y0]],
-            tangent: [1.0, 0.0],
+            instance: *instance,
             extremes: [f64::INFINITY, f64::NEG_INFINITY],
             growth: Growth::default(),
             spread: Spread::default(),
@@ -134,32 +130,25 @@ impl Live {
         }
     }
 
-    /// The instance, begun in its present state.
-    fn instance(&self) -> ParameterSet {
-        let [x, y] = self.state;
-        self.parameters.with(Parameter::X0, x).with(Parameter::Y0, y)
-    }
-
     /// The instance as one that may be on a cycle.
     fn on_cycle(&self) -> Option<Candidate> {
         Some(Candidate {
-            instance: self.instance(),
-            tangent: self.tangent,
+            instance: self.instance,
             period: self.candidate?,
         })
     }
 
     fn take(&mut self, end: &EndState) {
-        self.state = [end.x, end.y];
-        self.tangent = end.tangent;
+        self.instance.state = [end.x, end.y];
+        self.instance.tangent = end.tangent;
     }
 
     /// Its state as that of a motion that goes on, on no cycle.
     fn passing(&self) -> EndState {
         EndState {
-            x: self.state[0],
-            y: self.state[1],
-            tangent: self.tangent,
+            x: self.instance.state[0],
+            y: self.instance.state[1],
+            tangent: self.instance.tangent,
             x_min: self.extremes[0],
             x_max: self.extremes[1],
             period: None,
@@ -171,20 +160,20 @@ impl Live {
 
     /// Standard error of the exponent over so many periods if each were independent of the others.
     fn independent_error(&self, periods: u32) -> f64 {
-        self.spread.independent_error(periods) / self.parameters.forcing_period()
+        self.spread.independent_error(periods) / self.instance.parameters.forcing_period()
     }
 
     /// What is left to measure of it once it has run away or been given up.
     fn given_up(&self, end: &EndState, kind: BackendKind) -> Option<Measurement> {
         let unresolved = || Measurement::unmeasured(Status::UnderResolved, kind);
-        runaway(&self.parameters, end, kind).or_else(|| end.under_resolved.then(unresolved))
+        runaway(&self.instance.parameters, end, kind).or_else(|| end.under_resolved.then(unresolved))
     }
 
-    /// Its measurement after so many periods of the run, as that of the instance it was at first.
+    /// Its measurement after so many periods of the run, as that of its point.
     fn own(&self, measurement: Measurement, periods: u32) -> Measurement {
         Measurement {
             integrated_periods: periods + self.turned,
-            initial_state: [self.parameters[Parameter::X0], self.parameters[Parameter::Y0]],
+            initial_state: self.instance.parameters.initial_state(),
             ..measurement
         }
     }
@@ -211,6 +200,11 @@ impl Batch<'_> {
         }
     }
 
+    /// The live instances, where they have got to.
+    fn present(&self) -> Vec<Instance> {
+        self.live.iter().map(|live| live.instance).collect()
+    }
+
     /// Carries all live instances on by a leg; those that end on it are measured.
     fn carry_on(
         &mut self,
@@ -223,7 +217,7 @@ impl Batch<'_> {
         } else {
             Stage::Measure
         };
-        load(backend, &self.over(leg.end - leg.start), &self.live)?;
+        backend.load(&self.over(leg.end - leg.start), &self.present())?;
         for first in (0..leg.end - leg.start).step_by(BATCH as usize) {
             let stride = if leg.start == SAMPLED_FROM { 1 } else { BATCH };
             let mut batch = vec![Sums::default(); self.live.len()];
@@ -296,7 +290,7 @@ impl Batch<'_> {
                 continue;
             }
             let measurement = live.growth.measurement(&Ended {
-                parameters: &live.parameters,
+                parameters: &live.instance.parameters,
                 settings: &settings,
                 elapsed,
                 state: &live.passing(),
@@ -309,7 +303,7 @@ impl Batch<'_> {
             if measurement.class == Some(Class::Chaotic) && is_certain && error > CONSTANT_GROWTH {
                 self.measured[live.index] = Some(Measurement {
                     // the weights of a leg are not those of a run
-                    lyapunov_birkhoff: live.growth.weighted_rate() / live.parameters.forcing_period(),
+                    lyapunov_birkhoff: live.growth.weighted_rate() / live.instance.parameters.forcing_period(),
                     ..measurement
                 });
             }
@@ -351,12 +345,7 @@ impl Batch<'_> {
             },
             ..*self.settings
         };
-        let (instances, tangents) = present(&self.live);
-        let start = Start {
-            elapsed,
-            tangents: Some(&tangents),
-        };
-        let Some(measured) = whole_run::measure(backend, &settings, &instances, start, progress)? else {
+        let Some(measured) = whole_run::measure(backend, &settings, &self.present(), elapsed, progress)? else {
             return Ok(None);
         };
         for (live, measurement) in self.live.iter().zip(measured) {
@@ -364,16 +353,4 @@ impl Batch<'_> {
         }
         Ok(self.measured.into_iter().collect())
     }
-}
-
-/// Live instances, begun in their present states, and their tangent vectors.
-fn present(live: &[Live]) -> (Vec<ParameterSet>, Vec<[f64; 2]>) {
-    live.iter().map(|live| (live.instance(), live.tangent)).unzip()
-}
-
-/// Loads live instances in their present states.
-fn load(backend: &mut dyn Backend, settings: &Settings, live: &[Live]) -> Result<(), BackendError> {
-    let (instances, tangents) = present(live);
-    backend.load(settings, &instances)?;
-    backend.set_tangents(&tangents)
 }

@@ -212,7 +212,7 @@ impl Growth {
             unsettled_fraction: 0.0,
             contact: state.contact,
             backend,
-            initial_state: [parameters[Parameter::X0], parameters[Parameter::Y0]],
+            initial_state: parameters.initial_state(),
             integrated_periods: elapsed,
         }
     }

@@ -11,10 +11,9 @@ use rayon::prelude::*;
 
 use super::{Measurement, Status, one_scheme};
 use crate::backend::cpu::CpuBackend;
-use crate::backend::{Backend, BackendError, BackendKind, Slice, Stage};
+use crate::backend::{Backend, BackendError, BackendKind, Instance, Slice, Stage};
 use crate::dynamics::taylor::escape::escape_time;
 use crate::experiment::{Integration, Precision, Scheme, Settings};
-use crate::parameters::{Parameter, ParameterSet};
 
 /// Error of a step where an exponent is measured.
 const TOLERANCE: f64 = 1e-8;
@@ -63,7 +62,7 @@ pub(crate) fn in_place(settings: &Settings, scheme: Scheme) -> Settings {
 pub(super) fn measure(
     backend: &mut dyn Backend,
     settings: &Settings,
-    instances: &[ParameterSet],
+    instances: &[Instance],
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<Vec<Measurement>>, BackendError> {
     let Some(mut measured) = one_scheme::measure(backend, settings, instances, progress)? else {
@@ -86,7 +85,7 @@ pub(super) fn measure(
 fn complete(
     settings: &Settings,
     kind: BackendKind,
-    instances: &[ParameterSet],
+    instances: &[Instance],
     measured: &mut [Measurement],
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<()>, BackendError> {
@@ -142,22 +141,22 @@ struct Escape {
     index: usize,
     /// The forcing period that it is followed from, and the instance as it was then.
     start: u32,
-    begun: ParameterSet,
+    begun: Instance,
     /// Forcing periods that it is followed over.
     periods: u32,
 }
 
 impl Escape {
-    fn new(index: usize, measured: &Measurement, set: &ParameterSet) -> Option<Self> {
+    fn new(index: usize, measured: &Measurement, instance: &Instance) -> Option<Self> {
         let Status::Runaway { time } = measured.status else {
             return None;
         };
-        let noticed = (time / set.forcing_period()).round() as u32;
+        let noticed = (time / instance.parameters.forcing_period()).round() as u32;
         let (start, begun) = if noticed > MOST_ESCAPE_PERIODS {
-            let last = set.with(Parameter::X0, measured.x).with(Parameter::Y0, measured.y);
+            let last = Instance::new(instance.parameters, [measured.x, measured.y]);
             (noticed - 1, last)
         } else {
-            (0, *set)
+            (0, *instance)
         };
         Some(Self {
             index,
@@ -170,7 +169,7 @@ impl Escape {
     /// The status of an orbit that ran away so long after its start.
     fn status(&self, time: f64) -> Status {
         Status::Runaway {
-            time: f64::from(self.start) * self.begun.forcing_period() + time,
+            time: f64::from(self.start) * self.begun.parameters.forcing_period() + time,
         }
     }
 }
@@ -179,7 +178,7 @@ impl Escape {
 fn time_escapes(
     backend: &mut CpuBackend,
     fallback: &Settings,
-    instances: &[ParameterSet],
+    instances: &[Instance],
     escaped: &[usize],
     measured: &mut [Measurement],
 ) -> Result<(), BackendError> {
@@ -188,7 +187,8 @@ fn time_escapes(
         .par_iter()
         .filter_map(|&index| Escape::new(index, &measured[index], &instances[index]))
         .map(|escape| {
-            let time = escape_time(&escape.begun, steps, escape.periods);
+            let begun = &escape.begun;
+            let time = escape_time(&begun.parameters, begun.state, steps, escape.periods);
             (escape, time)
         })
         .collect();
@@ -230,7 +230,7 @@ fn locate(
     for (escape, end) in escapes.iter().zip(backend.end_states()?) {
         let time = end
             .runaway_periods
-            .map(|periods| periods * escape.begun.forcing_period());
+            .map(|periods| periods * escape.begun.parameters.forcing_period());
         measured[escape.index].status = time.map_or(Status::UnderResolved, |time| escape.status(time));
     }
     Ok(())

@@ -8,9 +8,8 @@ use std::ops::ControlFlow;
 
 use super::{Class, Measurement, QUASI_PERIODIC_ERROR, Status, fallback};
 use crate::backend::cpu::CpuBackend;
-use crate::backend::{Backend, BackendError, Slice, Stage};
+use crate::backend::{Backend, BackendError, Instance, Slice, Stage};
 use crate::experiment::{Integration, Precision, Sampling, Scheme, Settings};
-use crate::parameters::{Parameter, ParameterSet};
 
 /// Two exponents differ by chance by up to so many times what their errors add up to.
 const CHANCE: f64 = 2.0;
@@ -23,21 +22,18 @@ const CHANCE: f64 = 2.0;
 /// If the CPU backend fails.
 pub(super) fn add(
     settings: &Settings,
-    instances: &[ParameterSet],
+    instances: &[Instance],
     measured: &mut [Measurement],
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<()>, BackendError> {
     if settings.integration.scheme == Scheme::Taylor {
         return Ok(Some(()));
     }
-    let (indices, begun): (Vec<usize>, Vec<ParameterSet>) = measured
+    let (indices, begun): (Vec<usize>, Vec<Instance>) = measured
         .iter()
         .enumerate()
         .filter(|(_, m)| m.status == Status::Ok)
-        .map(|(index, m)| {
-            let instance = instances[index].with(Parameter::X0, m.x).with(Parameter::Y0, m.y);
-            (index, instance)
-        })
+        .map(|(index, m)| (index, Instance::new(instances[index].parameters, [m.x, m.y])))
         .unzip();
     if indices.is_empty() {
         return Ok(Some(()));
@@ -82,7 +78,7 @@ const LOOK: u32 = 32;
 pub(super) fn add_with_heat(
     backend: &mut dyn Backend,
     settings: &Settings,
-    instances: &[ParameterSet],
+    instances: &[Instance],
     elapsed: u32,
     measured: &mut [Measurement],
 ) -> Result<(), BackendError> {
@@ -122,12 +118,13 @@ pub(super) fn add_with_heat(
             growth.push(sums.growth[0]);
         }
     }
-    for ((m, set), growth) in measured.iter_mut().zip(instances).zip(&growth) {
+    for ((m, instance), growth) in measured.iter_mut().zip(instances).zip(&growth) {
         let Some(period) = m.period.filter(|_| is_on_cycle(m)) else {
             continue;
         };
         let whole_turns = (look - look % period) as usize;
-        let finer = growth[..whole_turns].iter().sum::<f64>() / (whole_turns as f64 * set.forcing_period());
+        let finer =
+            growth[..whole_turns].iter().sum::<f64>() / (whole_turns as f64 * instance.parameters.forcing_period());
         let share = beyond_chance([m.lyapunov, m.lyapunov_error], [finer, 0.0]);
         m.lyapunov_error += share;
         m.scheme_error = share;

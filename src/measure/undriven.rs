@@ -5,10 +5,10 @@
 use std::ops::Range;
 
 use super::{Class, Measurement, Status};
-use crate::backend::{Backend, BackendError, Slice, Stage};
+use crate::backend::{Backend, BackendError, Instance, Slice, Stage};
 use crate::dynamics::statistics::{batches, birkhoff_weights, standard_error};
 use crate::experiment::{Sampling, Settings};
-use crate::parameters::{Parameter, ParameterSet};
+use crate::parameters::Parameter;
 
 /// In place of any other, so that nothing depends on a frequency with which nothing is driven: pi units of tau make what
 /// is called a forcing period.
@@ -34,12 +34,11 @@ const ALONG_THE_FLOW: f64 = 0.1;
 const DAMPED: f64 = 1e-6;
 
 /// The instance as it is integrated.
-pub(super) fn instance(set: &ParameterSet) -> ParameterSet {
-    if set.is_driven() {
-        *set
-    } else {
-        set.with(Parameter::Omega0, OMEGA_0)
+pub(super) fn instance(mut instance: Instance) -> Instance {
+    if !instance.parameters.is_driven() {
+        instance.parameters[Parameter::Omega0] = OMEGA_0;
     }
+    instance
 }
 
 /// An angle that stays within this is one of rest.
@@ -56,21 +55,21 @@ const LEAST_CROSSINGS: usize = 3;
 pub(super) fn measure_limit_cycles(
     backend: &mut dyn Backend,
     settings: &Settings,
-    instances: &[ParameterSet],
+    instances: &[Instance],
     measured: &mut [Measurement],
 ) -> Result<(), BackendError> {
     let moves = |m: &Measurement| m.status == Status::Ok && m.x_max - m.x_min > settings.sampling.period_tolerance;
     let indices: Vec<usize> = (0..instances.len())
-        .filter(|&index| !instances[index].is_driven() && moves(&measured[index]))
+        .filter(|&index| !instances[index].parameters.is_driven() && moves(&measured[index]))
         .collect();
     if indices.is_empty() {
         return Ok(());
     }
-    let begun: Vec<ParameterSet> = indices
+    let begun: Vec<Instance> = indices
         .iter()
         .map(|&index| {
             let Measurement { x, y, .. } = measured[index];
-            instances[index].with(Parameter::X0, x).with(Parameter::Y0, y)
+            Instance::new(instances[index].parameters, [x, y])
         })
         .collect();
     let settings = Settings {
@@ -110,7 +109,7 @@ pub(super) fn measure_limit_cycles(
         }
     }
     for (((index, [growth, divergence]), states), end) in indices.into_iter().zip(rates).zip(states).zip(ends) {
-        let period_time = instances[index].forcing_period();
+        let period_time = instances[index].parameters.forcing_period();
         let average = |values: &[f64], range: Range<u32>| {
             let weights = birkhoff_weights(range.end - range.start);
             let values = &values[range.start as usize..range.end as usize];

@@ -9,10 +9,9 @@ use rayon::prelude::*;
 use super::cycle::{self, Candidate};
 use super::evaluation::{Ended, Growth};
 use super::{Measurement, Status};
-use crate::backend::{Backend, BackendError, BackendKind, EndState, Slice, Stage, Sums};
+use crate::backend::{Backend, BackendError, BackendKind, EndState, Instance, Slice, Stage, Sums};
 use crate::dynamics::statistics;
 use crate::experiment::{Scheme, Settings};
-use crate::parameters::{Parameter, ParameterSet};
 
 /// Longest slice, so that progress shows and a run can be cancelled.
 const LONGEST_SLICE: u32 = 16;
@@ -25,28 +24,16 @@ pub(super) fn sums_all(backend: &dyn Backend, settings: &Settings) -> bool {
     settings.integration.scheme != Scheme::Radau || backend.kind() != BackendKind::GpuF32
 }
 
-/// Where a run begins that goes on from an earlier one; by default, there is none.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Start<'a> {
-    /// Periods since the start of the run.
-    pub elapsed: u32,
-    /// First tangent vectors, in the order of the instances.
-    pub tangents: Option<&'a [[f64; 2]]>,
-}
-
-/// Runs a batch of instances, all of which wear or none, at the full length of the settings.
+/// Runs a batch of instances, all of which wear or none, at the full length of the settings, after a run of `elapsed` periods.
 pub(super) fn measure(
     backend: &mut dyn Backend,
     settings: &Settings,
-    instances: &[ParameterSet],
-    start: Start<'_>,
+    instances: &[Instance],
+    elapsed: u32,
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<Vec<Measurement>>, BackendError> {
     backend.load(settings, instances)?;
-    if let Some(tangents) = start.tangents {
-        backend.set_tangents(tangents)?;
-    }
-    let mut elapsed = start.elapsed;
+    let mut elapsed = elapsed;
     let mut advance = |backend: &mut dyn Backend, stage, range: std::ops::Range<u32>| {
         let mut first = range.start;
         while first < range.end {
@@ -106,9 +93,9 @@ pub(super) fn measure(
     let mut measured: Vec<Measurement> = instances
         .par_iter()
         .zip(growth.par_iter().zip(&ends))
-        .map(|(parameters, (growth, state))| {
+        .map(|(instance, (growth, state))| {
             growth.measurement(&Ended {
-                parameters,
+                parameters: &instance.parameters,
                 settings,
                 elapsed,
                 state,
@@ -116,7 +103,7 @@ pub(super) fn measure(
             })
         })
         .collect();
-    if !instances[0].is_rubbed() && sums_all(backend, settings) {
+    if !instances[0].parameters.is_rubbed() && sums_all(backend, settings) {
         measure_cycles(backend, settings, instances, &ends, &mut measured)?;
     }
     Ok(Some(measured))
@@ -126,7 +113,7 @@ pub(super) fn measure(
 fn measure_cycles(
     backend: &mut dyn Backend,
     settings: &Settings,
-    instances: &[ParameterSet],
+    instances: &[Instance],
     ends: &[EndState],
     measured: &mut [Measurement],
 ) -> Result<(), BackendError> {
@@ -137,8 +124,11 @@ fn measure_cycles(
                 x, y, tangent, period, ..
             } = ends[index];
             let candidate = Candidate {
-                instance: instances[index].with(Parameter::X0, x).with(Parameter::Y0, y),
-                tangent,
+                instance: Instance {
+                    state: [x, y],
+                    tangent,
+                    ..instances[index]
+                },
                 period: period?,
             };
             Some((index, candidate))
@@ -149,7 +139,6 @@ fn measure_cycles(
         let integrated_periods = before.integrated_periods + turned.periods;
         measured[index] = Measurement {
             integrated_periods,
-            initial_state: before.initial_state,
             ..turned.measurement.unwrap_or(before)
         };
     }

@@ -107,7 +107,7 @@ pub struct Spectra(HashMap<u64, ThermalModes>);
 
 impl Spectra {
     /// With `modes` heat modes each.
-    pub fn new(instances: &[ParameterSet], modes: usize) -> Self {
+    pub fn new<'a>(instances: impl IntoIterator<Item = &'a ParameterSet>, modes: usize) -> Self {
         let mut spectra = HashMap::new();
         for instance in instances {
             let biot = instance[Parameter::Biot];

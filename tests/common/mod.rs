@@ -6,8 +6,8 @@ use std::ops::ControlFlow;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
-use tribochaos::backend::Backend;
 use tribochaos::backend::cpu::CpuBackend;
+use tribochaos::backend::{Backend, Instance};
 use tribochaos::experiment::{Integration, Precision, Sampling, Scheme, Settings};
 use tribochaos::measure::{Measurement, measure_batch};
 use tribochaos::parameters::{Parameter, ParameterSet};
@@ -44,7 +44,8 @@ pub fn from_state(point: ParameterSet, [x, y]: [f64; 2]) -> ParameterSet {
 }
 
 pub fn measure_on(backend: &mut dyn Backend, settings: &Settings, points: &[ParameterSet]) -> Vec<Measurement> {
-    measure_batch(backend, settings, points, &mut |_| ControlFlow::Continue(()))
+    let instances = Instance::starts(points);
+    measure_batch(backend, settings, &instances, &mut |_| ControlFlow::Continue(()))
         .expect("the backend does not fail")
         .expect("nobody breaks the run off")
 }

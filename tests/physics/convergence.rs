@@ -3,6 +3,7 @@
 
 use std::ops::ControlFlow;
 
+use tribochaos::backend::Instance;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::experiment::{Integration, Precision, Preset, Sampling, Scheme, Settings};
 use tribochaos::measure::{Class, Measurement, Status, measure_batch};
@@ -44,11 +45,10 @@ fn measure(zeta_k: [f64; 2], precision: Precision, modes: u32, tolerance: f64) -
     };
     [(&wearing, 0.01), (&settings, 0.0)].map(|(settings, k_w)| {
         let mut backend = CpuBackend::new(precision);
-        measure_batch(&mut backend, settings, &points(zeta_k, k_w), &mut |_| {
-            ControlFlow::Continue(())
-        })
-        .unwrap()
-        .unwrap()
+        let instances = Instance::starts(&points(zeta_k, k_w));
+        measure_batch(&mut backend, settings, &instances, &mut |_| ControlFlow::Continue(()))
+            .unwrap()
+            .unwrap()
     })
 }
 

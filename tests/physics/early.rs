@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix2;
 use tribochaos::backend::cpu::CpuBackend;
-use tribochaos::backend::{Backend, Slice, Stage};
+use tribochaos::backend::{Backend, Instance, Slice, Stage};
 use tribochaos::dynamics::reference::ReferenceOrbit;
 use tribochaos::experiment::{Precision, Request, Sampling, Scheme, Settings};
 use tribochaos::measure::{Class, Measurement, Status};
@@ -261,17 +261,19 @@ fn a_run_that_is_taken_up_again_goes_on_as_if_it_had_not_been_interrupted() {
                 backend.advance(&slice).unwrap();
                 (backend.collect().unwrap(), backend.end_states().unwrap())
             };
-            backend.load(&settings, &points).unwrap();
+            backend.load(&settings, &Instance::starts(&points)).unwrap();
             let (_, middle) = advance(&mut backend, 0);
             let (expected, ends) = advance(&mut backend, 20);
             let again: Vec<_> = points
                 .iter()
                 .zip(&middle)
-                .map(|(point, end)| from_state(*point, [end.x, end.y]))
+                .map(|(&parameters, end)| Instance {
+                    parameters,
+                    state: [end.x, end.y],
+                    tangent: end.tangent,
+                })
                 .collect();
-            let tangents: Vec<_> = middle.iter().map(|end| end.tangent).collect();
             backend.load(&settings, &again).unwrap();
-            backend.set_tangents(&tangents).unwrap();
             let (sums, again) = advance(&mut backend, 0);
             for i in 0..points.len() {
                 assert_eq!(
@@ -289,11 +291,19 @@ fn a_run_that_is_taken_up_again_goes_on_as_if_it_had_not_been_interrupted() {
 #[test]
 fn tangents_are_refused_where_they_have_more_dimensions() {
     let mut backend = CpuBackend::new(Precision::F64);
-    let heated = ParameterSet::default().with(Parameter::Gamma, 1.0);
+    let point = ParameterSet::default();
+    let heated = point.with(Parameter::Gamma, 1.0);
     let settings = Settings {
         integration: Scheme::Radau.into(),
         ..Settings::default()
     };
-    backend.load(&settings, &[heated]).unwrap();
-    assert!(backend.set_tangents(&[[0.0, 1.0]]).is_err());
+    let mut load = |point: ParameterSet, tangent: [f64; 2]| {
+        let instance = Instance {
+            tangent,
+            ..point.into()
+        };
+        backend.load(&settings, &[point.into(), instance]).is_ok()
+    };
+    assert!(load(heated, [1.0, 0.0]) && load(point, [0.0, 1.0]));
+    assert!(!load(heated, [0.0, 1.0]));
 }

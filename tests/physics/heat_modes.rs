@@ -262,7 +262,7 @@ fn error_of_modes(index: u32) -> (u32, [f64; 4]) {
     let contact = |request: &Request| {
         let experiment = request.resolve_point().unwrap();
         let mut backend = CpuBackend::new(Precision::F64);
-        let point = [experiment.design.point(0)];
+        let point = [experiment.design.point(0).into()];
         let go_on = &mut |_| ControlFlow::Continue(());
         let measured = measure_batch(&mut backend, &experiment.settings, &point, go_on)
             .unwrap()

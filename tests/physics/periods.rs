@@ -371,8 +371,8 @@ fn attractors(experiment: &Experiment) -> Vec<u32> {
 /// What is told of each orbit of a point, where a test fails.
 fn orbits_of(experiment: &Experiment, index: usize) -> Vec<String> {
     let states = initial_states::offsets(&experiment.settings.sampling);
-    let instances: Vec<_> = initial_states::instances(experiment.design.point(index), &states).collect();
-    let measured = measure(Precision::F64, &experiment.settings, &instances);
+    let points: Vec<_> = initial_states::points(experiment.design.point(index), &states).collect();
+    let measured = measure(Precision::F64, &experiment.settings, &points);
     let mut told: Vec<String> = (measured.iter())
         .map(|m| {
             let class = m.class.map(Class::name);

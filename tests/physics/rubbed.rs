@@ -3,10 +3,12 @@
 
 use std::ops::ControlFlow;
 
+use tribochaos::backend::Instance;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::dynamics::adaptive::{Control, Orbit, Peaks, System, Tangent};
 use tribochaos::dynamics::history::{Sample, history};
 use tribochaos::dynamics::radau::ModeStep;
+use tribochaos::dynamics::tangent::Bases;
 use tribochaos::experiment::{Integration, Precision, Preset, Sampling, Scheme, Settings};
 use tribochaos::lanes::Real;
 use tribochaos::measure::{Class, Measurement, Status, measure_batch};
@@ -22,9 +24,9 @@ fn paper(zeta_k: f64) -> ParameterSet {
     Preset::Paper.parameters().with(Parameter::ZetaK, zeta_k)
 }
 
-fn measure(precision: Precision, settings: &Settings, instances: &[ParameterSet]) -> Vec<Measurement> {
-    let mut backend = CpuBackend::new(precision);
-    measure_batch(&mut backend, settings, instances, &mut |_| ControlFlow::Continue(()))
+fn measure(precision: Precision, settings: &Settings, points: &[ParameterSet]) -> Vec<Measurement> {
+    let (mut backend, instances) = (CpuBackend::new(precision), Instance::starts(points));
+    measure_batch(&mut backend, settings, &instances, &mut |_| ControlFlow::Continue(()))
         .unwrap()
         .unwrap()
 }
@@ -303,7 +305,7 @@ fn followed<R: Real>(set: &ParameterSet, x0: R, periods: u32) -> ([R; 3], [R; 3]
     let control = Control::new(&settings.integration);
     let mut orbit = Orbit::start(&system, x0, R::splat(set[Parameter::Y0]));
     let mut peaks = Peaks::start(&orbit);
-    let mut tangent = Tangent::start(modes.rates.len());
+    let mut tangent = Tangent::start(Bases::start().first, modes.rates.len());
     let mut scratch = vec![ModeStep::empty(); modes.rates.len()];
     for _ in 0..periods {
         orbit.period(&system, &control, &mut peaks, Some(&mut tangent), &mut scratch);

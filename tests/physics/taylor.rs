@@ -45,7 +45,7 @@ fn exponents_are_within_the_stated_errors_on_every_instruction_set() {
 /// x, y and the growth of the first vector over some periods, by the scheme and by the reference.
 fn both(p: &ParameterSet, settings: &Settings, periods: u32) -> ([f64; 3], [f64; 3], EndState, Reference) {
     let mut backend = CpuBackend::new(Precision::F64);
-    backend.load(settings, &[*p]).unwrap();
+    backend.load(settings, &[(*p).into()]).unwrap();
     let slice = Slice {
         stage: Stage::Measure,
         first: 0,

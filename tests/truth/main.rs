@@ -27,7 +27,7 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
-use tribochaos::backend::{Backend, BackendError};
+use tribochaos::backend::{Backend, BackendError, Instance};
 use tribochaos::experiment::{Integration, Precision, Scheme, Settings};
 use tribochaos::measure::{Measurement, Status, measure_batch};
 use tribochaos::parameters::{Parameter, ParameterSet};
@@ -94,7 +94,7 @@ fn measure_taken(
     indices: &[usize],
     measured: &mut [Option<Measurement>],
 ) {
-    let batch: Vec<ParameterSet> = indices.iter().map(|&index| points[index]).collect();
+    let batch: Vec<Instance> = indices.iter().map(|&index| points[index].into()).collect();
     match measure_batch(backend, settings, &batch, &mut |_| ControlFlow::Continue(())) {
         Ok(Some(all)) => indices
             .iter()

@@ -16,13 +16,12 @@ pub use self::instructions::InstructionSet;
 use self::radau::RadauBlock;
 use self::rk4::Rk4Block;
 use self::taylor::TaylorBlock;
-use super::{Backend, BackendError, EndState, Slice, Stage, Sums};
+use super::{Backend, BackendError, EndState, Instance, Slice, Stage, Sums, check_tangents};
 use crate::backend::BackendKind;
 use crate::experiment::{Precision, Scheme, Settings};
 #[cfg(all(target_arch = "x86_64", not(test)))]
 use crate::lanes::x86::{Avx2, Avx512, OverLanes};
 use crate::lanes::{Held, Instructions, Pair, Portable, Real, Wide};
-use crate::parameters::ParameterSet;
 
 /// Vectors in flight of rk4 with tangent vectors; measured on AVX-512, as are the next two.
 const RK4_IN_FLIGHT: usize = 2;
@@ -106,7 +105,8 @@ impl Backend for CpuBackend {
         BATCH_A_THREAD * rayon::current_num_threads()
     }
 
-    fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
+    fn load(&mut self, settings: &Settings, instances: &[Instance]) -> Result<(), BackendError> {
+        check_tangents(instances)?;
         #[cfg(all(target_arch = "x86_64", not(test)))]
         let blocks = NewBlocks { settings, instances };
         self.batch = Some(match (self.instructions, self.precision) {
@@ -130,10 +130,6 @@ impl Backend for CpuBackend {
             (_, Precision::F32) => batch::<Portable, Pair<f32>, Quad<f32>>(Portable, settings, instances),
         });
         Ok(())
-    }
-
-    fn set_tangents(&mut self, tangents: &[[f64; 2]]) -> Result<(), BackendError> {
-        self.batch().set_tangents(tangents)
     }
 
     fn begin_anew(&mut self, settings: &Settings) {
@@ -166,7 +162,7 @@ type Quad<V> = Pair<Pair<V>>;
 fn batch<I: Instructions, V: Real + Send + Sync + 'static, T: Real + Send + Sync + 'static>(
     instructions: I,
     settings: &Settings,
-    instances: &[ParameterSet],
+    instances: &[Instance],
 ) -> Box<dyn CpuBatch> {
     match settings.integration.scheme {
         Scheme::Taylor => Box::new(Blocks::<I, TaylorBlock<T>>::new(instructions, settings, instances)),
@@ -183,7 +179,7 @@ fn batch<I: Instructions, V: Real + Send + Sync + 'static, T: Real + Send + Sync
 #[cfg(all(target_arch = "x86_64", not(test)))]
 struct NewBlocks<'a> {
     settings: &'a Settings,
-    instances: &'a [ParameterSet],
+    instances: &'a [Instance],
 }
 
 #[cfg(all(target_arch = "x86_64", not(test)))]
@@ -197,7 +193,6 @@ impl OverLanes for NewBlocks<'_> {
 
 /// A batch of any scheme and lane type.
 trait CpuBatch: Send {
-    fn set_tangents(&mut self, tangents: &[[f64; 2]]) -> Result<(), BackendError>;
     fn begin_anew(&mut self, settings: &Settings);
     fn advance(&mut self, slice: &Slice);
     fn collect(&mut self) -> Vec<Sums>;
@@ -211,16 +206,10 @@ trait Block: Send + Sync + Sized {
     /// Number of instances that a block holds.
     const INSTANCES: usize;
 
-    fn run(settings: &Settings, instances: &[ParameterSet]) -> Self::Run;
+    fn run(settings: &Settings, instances: &[Instance]) -> Self::Run;
 
     /// A block of at most [`Block::INSTANCES`] instances; it is filled up with copies of the last one.
-    fn new(run: &Self::Run, settings: &Settings, instances: &[ParameterSet]) -> Self;
-
-    /// Turns the first tangent vectors to what `tangent` gives for each instance, also those that fill the block up.
-    ///
-    /// # Errors
-    /// If the tangent space has more than two dimensions.
-    fn set_tangents(&mut self, tangent: impl Fn(usize) -> [f64; 2]) -> Result<(), BackendError>;
+    fn new(run: &Self::Run, settings: &Settings, instances: &[Instance]) -> Self;
 
     /// Changes the lengths and the tolerance of a run of heat or wear.
     fn change(_: &mut Self::Run, _: &Settings) {
@@ -255,7 +244,7 @@ struct Blocks<I, B: Block> {
 }
 
 impl<I: Instructions, B: Block> Blocks<I, B> {
-    fn new(instructions: I, settings: &Settings, instances: &[ParameterSet]) -> Self {
+    fn new(instructions: I, settings: &Settings, instances: &[Instance]) -> Self {
         let run = Held::new(instructions, || B::run(settings, instances));
         let block = |chunk| Held::new(instructions, || run.with(|run| B::new(run, settings, chunk)));
         Self {
@@ -275,13 +264,6 @@ impl<I: Instructions, B: Block> Blocks<I, B> {
 }
 
 impl<I: Instructions, B: Block> CpuBatch for Blocks<I, B> {
-    fn set_tangents(&mut self, tangents: &[[f64; 2]]) -> Result<(), BackendError> {
-        let last = tangents.len() - 1;
-        let mut blocks = self.blocks.iter_mut().zip((0..).step_by(B::INSTANCES));
-        let tangent = |index: usize| tangents[index.min(last)];
-        blocks.try_for_each(|(block, first)| block.with_mut(|block| block.set_tangents(|index| tangent(first + index))))
-    }
-
     fn begin_anew(&mut self, settings: &Settings) {
         self.run.with_mut(|run| B::change(run, settings));
     }

@@ -3,7 +3,7 @@
 //! Owns the loop over forcing periods and what is made of each; the steps within are [`adaptive`]'s. Compiled for each
 //! instruction set by its caller.
 
-use super::super::{BackendError, EndState, Slice, Stage, Sums};
+use super::super::{EndState, Instance, Slice, Stage, Sums};
 use super::Block;
 use super::record::{Measuring, Record};
 use crate::backend::Contact;
@@ -14,7 +14,7 @@ use crate::dynamics::tangent::Vector;
 use crate::experiment::Settings;
 use crate::lanes::{Mask, Real};
 use crate::model::rubbing::{HeatModes, Spectra};
-use crate::parameters::{Parameter, ParameterSet};
+use crate::parameters::ParameterSet;
 
 /// As many instances as the lane type holds.
 pub(super) struct RadauBlock<R: Real> {
@@ -39,48 +39,44 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
     type Run = Run<R>;
     const INSTANCES: usize = R::LANES;
 
-    fn run(settings: &Settings, instances: &[ParameterSet]) -> Run<R> {
+    fn run(settings: &Settings, instances: &[Instance]) -> Run<R> {
+        let points = instances.iter().map(|instance| &instance.parameters);
         Run {
             measuring: Measuring::new(settings),
             control: Control::new(&settings.integration),
             // without heat anywhere modes would be found, and carried, in vain
-            spectra: instances
-                .iter()
+            spectra: points
+                .clone()
                 .any(ParameterSet::is_rubbed)
-                .then(|| Spectra::new(instances, settings.integration.modes as usize)),
+                .then(|| Spectra::new(points, settings.integration.modes as usize)),
         }
     }
 
-    fn new(run: &Run<R>, _: &Settings, instances: &[ParameterSet]) -> Self {
+    fn new(run: &Run<R>, _: &Settings, instances: &[Instance]) -> Self {
         let instance = |lane: usize| &instances[lane.min(instances.len() - 1)];
-        let lanes = |parameter| R::from_lanes(|lane| instance(lane)[parameter]);
+        let lanes = |parameter| R::from_lanes(|lane| instance(lane).parameters[parameter]);
         let modes: Vec<_> = instances
             .iter()
             .map(|instance| match &run.spectra {
-                Some(spectra) => spectra.heat_modes(instance),
+                Some(spectra) => spectra.heat_modes(&instance.parameters),
                 None => HeatModes::none(),
             })
             .collect();
         let system = System::new(lanes, |lane| &modes[lane.min(modes.len() - 1)]);
-        let orbit = Orbit::start(&system, lanes(Parameter::X0), lanes(Parameter::Y0));
+        let [x, y] = [0, 1].map(|n| R::from_lanes(|lane| instance(lane).state[n]));
+        let orbit = Orbit::start(&system, x, y);
         let count = modes[0].rates.len();
         Self {
-            tangent: Tangent::start(count),
+            tangent: Tangent::start(Vector::from_lanes(|lane| instance(lane).tangent), count),
             peaks: Peaks::start(&orbit),
             scratch: vec![ModeStep::empty(); count],
             record: Record::new(),
-            forcing_periods: (0..R::LANES).map(|lane| instance(lane).forcing_period()).collect(),
+            forcing_periods: (0..R::LANES)
+                .map(|lane| instance(lane).parameters.forcing_period())
+                .collect(),
             system,
             orbit,
         }
-    }
-
-    fn set_tangents(&mut self, tangent: impl Fn(usize) -> [f64; 2]) -> Result<(), BackendError> {
-        if !self.system.is_rubbed.less(R::splat(0.5)).all() {
-            return Err(BackendError::tangents_with_heat());
-        }
-        self.tangent.turn(Vector::from_lanes(tangent));
-        Ok(())
     }
 
     fn change(run: &mut Run<R>, settings: &Settings) {

@@ -4,7 +4,7 @@
 
 use std::f64::consts::TAU;
 
-use super::super::{BackendError, EndState, Slice, Sums};
+use super::super::{EndState, Instance, Slice, Sums};
 use super::Block;
 use super::record::{Measuring, Record};
 use crate::dynamics::divergence_check::{checked_growth, growth_of_first};
@@ -15,7 +15,7 @@ use crate::dynamics::taylor::is_layer_resolved;
 use crate::experiment::Settings;
 use crate::lanes::{Real, Wide};
 use crate::model::motion::Motion;
-use crate::parameters::{Parameter, ParameterSet};
+use crate::parameters::Parameter;
 
 /// What all instances of a batch share.
 pub(super) struct Run<S> {
@@ -37,7 +37,7 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
     const INSTANCES: usize = R::LANES * G;
     const IS_SPLIT: bool = true;
 
-    fn run(settings: &Settings, _: &[ParameterSet]) -> Self::Run {
+    fn run(settings: &Settings, _: &[Instance]) -> Self::Run {
         Run {
             drive: DriveTable::new::<R>(settings.integration.steps_per_period),
             measuring: Measuring::new(settings),
@@ -45,29 +45,22 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
         }
     }
 
-    fn new(_: &Self::Run, settings: &Settings, instances: &[ParameterSet]) -> Self {
+    fn new(_: &Self::Run, settings: &Settings, instances: &[Instance]) -> Self {
         let instance = |index: usize| &instances[index.min(instances.len() - 1)];
         let steps = f64::from(settings.integration.steps_per_period);
-        let h = |index| TAU / (instance(index)[Parameter::Omega0] * steps);
+        let h = |index| TAU / (instance(index).parameters[Parameter::Omega0] * steps);
         Self {
-            motion: Motion::new(|parameter| Wide::from_lanes(|lane| instance(lane)[parameter])),
+            motion: Motion::new(|parameter| Wide::from_lanes(|lane| instance(lane).parameters[parameter])),
             h: StepSize::new(h),
             groups: std::array::from_fn(|group| {
                 let first = group * R::LANES;
                 let mut group = Group::new(|lane| instance(first + lane), |lane| h(first + lane));
                 group
                     .record
-                    .note_under_resolved(|lane| !is_layer_resolved::<R>(instance(first + lane)));
+                    .note_under_resolved(|lane| !is_layer_resolved::<R>(&instance(first + lane).parameters));
                 group
             }),
         }
-    }
-
-    fn set_tangents(&mut self, tangent: impl Fn(usize) -> [f64; 2]) -> Result<(), BackendError> {
-        for (group, first) in self.groups.iter_mut().zip((0..).step_by(R::LANES)) {
-            group.vector = Vector::from_lanes(|lane| tangent(first + lane));
-        }
-        Ok(())
     }
 
     #[inline(always)]
@@ -162,16 +155,13 @@ struct Group<R> {
 }
 
 impl<R: Real> Group<R> {
-    fn new<'a>(instance: impl Fn(usize) -> &'a ParameterSet, h: impl Fn(usize) -> f64) -> Self {
-        let lanes = |parameter| R::from_lanes(|lane| instance(lane)[parameter]);
+    fn new<'a>(instance: impl Fn(usize) -> &'a Instance, h: impl Fn(usize) -> f64) -> Self {
+        let [x, y] = [0, 1].map(|n| R::from_lanes(|lane| instance(lane).state[n]));
         Self {
-            motion: Motion::new(lanes),
+            motion: Motion::new(|parameter| R::from_lanes(|lane| instance(lane).parameters[parameter])),
             h: StepSize::new(h),
-            state: State {
-                x: lanes(Parameter::X0),
-                y: lanes(Parameter::Y0),
-            },
-            vector: Bases::start().first,
+            state: State { x, y },
+            vector: Vector::from_lanes(|lane| instance(lane).tangent),
             record: Record::new(),
         }
     }

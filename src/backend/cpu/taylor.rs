@@ -3,7 +3,7 @@
 //! Owns the loops over forcing periods and passes, in which every lane takes a step of its own length; lanes meet at the
 //! end of a period. Compiled for each instruction set by its caller.
 
-use super::super::{BackendError, EndState, Slice, Sums};
+use super::super::{EndState, Instance, Slice, Sums};
 use super::Block;
 use super::record::{Measuring, Record};
 use crate::dynamics::divergence_check::{checked_growth, growth_of_first};
@@ -12,7 +12,7 @@ use crate::dynamics::taylor::growth::{Area, Carried, RENEWAL_STEPS};
 use crate::dynamics::taylor::{self, COEFFICIENTS, Flow, is_layer_resolved};
 use crate::experiment::Settings;
 use crate::lanes::{Real, Ticks};
-use crate::parameters::{Parameter, ParameterSet};
+use crate::parameters::Parameter;
 
 /// As many instances as the lane type holds, and everything that is carried along with them.
 pub(super) struct TaylorBlock<R> {
@@ -37,38 +37,33 @@ impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
     const INSTANCES: usize = R::LANES;
     const IS_SPLIT: bool = true;
 
-    fn run(settings: &Settings, _: &[ParameterSet]) -> Measuring {
+    fn run(settings: &Settings, _: &[Instance]) -> Measuring {
         Measuring::new(settings)
     }
 
-    fn new(_: &Measuring, settings: &Settings, instances: &[ParameterSet]) -> Self {
+    fn new(_: &Measuring, settings: &Settings, instances: &[Instance]) -> Self {
         let instance = |lane: usize| &instances[lane.min(instances.len() - 1)];
-        let lanes = |parameter| R::from_lanes(|lane| instance(lane)[parameter]);
-        let unit = R::from_lanes(|lane| taylor::unit_of_time(instance(lane)[Parameter::Omega0]));
-        let longest = R::from_lanes(|lane| taylor::longest_step(instance(lane), settings.integration.steps_per_period));
-        let passes = instances.iter().map(|set| taylor::most_passes(set.forcing_period()));
+        let parameters = |lane| &instance(lane).parameters;
+        let lanes = |parameter| R::from_lanes(|lane| parameters(lane)[parameter]);
+        let unit = R::from_lanes(|lane| taylor::unit_of_time(parameters(lane)[Parameter::Omega0]));
+        let steps = settings.integration.steps_per_period;
+        let longest = R::from_lanes(|lane| taylor::longest_step(parameters(lane), steps));
+        let periods = instances.iter().map(|instance| instance.parameters.forcing_period());
+        let [x, y] = [0, 1].map(|n| R::from_lanes(|lane| instance(lane).state[n]));
         let mut block = Self {
             flow: Flow::new(lanes, unit, longest),
             unit,
             inverse_unit: R::splat(1.0) / unit,
-            x: lanes(Parameter::X0),
-            y: lanes(Parameter::Y0),
-            begun: [lanes(Parameter::X0), lanes(Parameter::Y0)],
-            vector: Vector {
-                x: R::splat(1.0),
-                y: R::splat(0.0),
-            },
+            x,
+            y,
+            begun: [x, y],
+            vector: Vector::from_lanes(|lane| instance(lane).tangent),
             period: R::splat(R::PERIOD_TICKS),
-            most_passes: passes.max().expect("a block has instances"),
+            most_passes: periods.map(taylor::most_passes).max().expect("a block has instances"),
             record: Record::new(),
         };
-        block.refuse(|lane| !is_layer_resolved::<R>(instance(lane)));
+        block.refuse(|lane| !is_layer_resolved::<R>(parameters(lane)));
         block
-    }
-
-    fn set_tangents(&mut self, tangent: impl Fn(usize) -> [f64; 2]) -> Result<(), BackendError> {
-        self.vector = Vector::from_lanes(tangent);
-        Ok(())
     }
 
     #[inline(always)]

@@ -10,9 +10,8 @@ use super::kernels::{Compiled, Kernels};
 use super::layout::{SPAN, Span};
 use super::model::Model;
 use super::pacer::Load;
-use crate::backend::{BackendError, EndState, Slice, Sums};
+use crate::backend::{BackendError, EndState, Instance, Slice, Sums};
 use crate::experiment::{Scheme, Settings};
-use crate::parameters::ParameterSet;
 
 /// Instances that are carried on together, and their memory on a device.
 pub(super) struct GpuBatch {
@@ -30,7 +29,7 @@ impl GpuBatch {
         buffers: Buffers,
         kernels: &mut Kernels,
         settings: &Settings,
-        instances: &[ParameterSet],
+        instances: &[Instance],
     ) -> Self {
         let load = Load {
             pace: model.pace(),
@@ -58,10 +57,6 @@ impl GpuBatch {
     /// The memory of a batch that is no longer needed.
     pub fn into_buffers(self) -> Buffers {
         self.buffers
-    }
-
-    pub fn set_tangents(&self, context: &GpuContext, tangents: &[[f64; 2]]) -> Result<(), BackendError> {
-        self.model.set_tangents(context, &self.buffers, tangents)
     }
 
     pub fn begin_anew(&self, context: &GpuContext, settings: &Settings) {

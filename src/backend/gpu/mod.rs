@@ -23,10 +23,9 @@ use self::buffers::Buffers;
 use self::kernels::Kernels;
 use self::layout::Binding;
 use self::shader_source::Shader;
-use super::{Backend, BackendError, EndState, Slice, Sums};
+use super::{Backend, BackendError, EndState, Instance, Slice, Sums, check_tangents};
 use crate::backend::BackendKind;
 use crate::experiment::{Integration, MAX_MODES, Scheme, Settings};
-use crate::parameters::ParameterSet;
 
 /// Instances that fill the largest devices.
 const HARDWARE_BATCH: u64 = 1 << 18;
@@ -67,7 +66,7 @@ impl GpuBackend {
         &self,
         bindings: &[Binding],
         settings: &Settings,
-        instances: &[ParameterSet],
+        instances: &[Instance],
     ) -> Result<(), BackendError> {
         let most = self.max_instances(largest_share(bindings, settings));
         if instances.len() as u64 > most {
@@ -128,7 +127,8 @@ impl Backend for GpuBackend {
         fills.min(self.max_instances(share)).min(MOST_STATES / share).max(1) as usize
     }
 
-    fn load(&mut self, settings: &Settings, instances: &[ParameterSet]) -> Result<(), BackendError> {
+    fn load(&mut self, settings: &Settings, instances: &[Instance]) -> Result<(), BackendError> {
+        check_tangents(instances)?;
         let scheme = settings.integration.scheme;
         let model = model::of(settings, instances)?;
         let bindings = model.bindings();
@@ -147,11 +147,6 @@ impl Backend for GpuBackend {
         };
         let batch = GpuBatch::new(&self.context, model, buffers, kernels, settings, instances);
         self.batch = Some(batch);
-        self.context.check()
-    }
-
-    fn set_tangents(&mut self, tangents: &[[f64; 2]]) -> Result<(), BackendError> {
-        self.batch().set_tangents(&self.context, tangents)?;
         self.context.check()
     }
 

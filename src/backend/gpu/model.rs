@@ -11,9 +11,8 @@ use super::pacer::Pace;
 use super::reduced::{self, Reduced};
 use super::rubbed::{self, Rubbed};
 use super::shader_source::{Kernel, Lanes, Shape};
-use crate::backend::{BackendError, EndState, Slice, Sums};
+use crate::backend::{BackendError, EndState, Instance, Slice, Sums};
 use crate::experiment::{Scheme, Settings};
-use crate::parameters::ParameterSet;
 
 /// The model of a batch.
 pub(super) trait Model: Send {
@@ -31,16 +30,10 @@ pub(super) trait Model: Send {
 
     /// Writes a batch at the beginning of its run. The stroboscope's memory needs no clearing: it reads only what it has
     /// written.
-    fn fill(&self, context: &GpuContext, buffers: &Buffers, settings: &Settings, instances: &[ParameterSet]);
+    fn fill(&self, context: &GpuContext, buffers: &Buffers, settings: &Settings, instances: &[Instance]);
 
     /// Writes what so many instances share of a run.
     fn write_run(&self, context: &GpuContext, buffers: &Buffers, settings: &Settings, instances: usize);
-
-    /// Turns the tangent vectors of the first instances.
-    ///
-    /// # Errors
-    /// If the tangent space has more than two dimensions.
-    fn set_tangents(&self, context: &GpuContext, buffers: &Buffers, tangents: &[[f64; 2]]) -> Result<(), BackendError>;
 
     /// The sums of the first `count` instances, which begin at zero again.
     fn take_sums(&self, context: &GpuContext, buffers: &Buffers, count: usize) -> Result<Vec<Sums>, BackendError>;
@@ -53,7 +46,7 @@ pub(super) trait Model: Send {
 ///
 /// # Errors
 /// If its kernels cannot do what the settings ask for.
-pub(super) fn of(settings: &Settings, instances: &[ParameterSet]) -> Result<Box<dyn Model>, BackendError> {
+pub(super) fn of(settings: &Settings, instances: &[Instance]) -> Result<Box<dyn Model>, BackendError> {
     Ok(match settings.integration.scheme {
         Scheme::Rk4 | Scheme::Taylor => Box::new(Reduced::new(settings)?),
         Scheme::Radau => Box::new(Rubbed::new(settings, instances)?),

@@ -22,8 +22,8 @@ pub struct Tangent<R> {
 }
 
 impl<R: Real> Tangent<R> {
-    /// (X, Y, rest) = (1, 0, 0).
-    pub fn start(modes: usize) -> Self {
+    /// The vector (X, Y), with the rest 0.
+    pub fn start(vector: Vector<R>, modes: usize) -> Self {
         let zero = R::splat(0.0);
         let heat = Heat {
             pressure: zero,
@@ -31,8 +31,9 @@ impl<R: Real> Tangent<R> {
         };
         Self {
             at: Perturbation {
-                x: R::splat(1.0),
-                v: zero,
+                x: vector.x,
+                // the speed of the shaft is not disturbed
+                v: zero - vector.y,
                 fit: zero,
                 heat,
                 flux: zero,
@@ -41,12 +42,6 @@ impl<R: Real> Tangent<R> {
             log: zero,
             divergence: zero,
         }
-    }
-
-    /// Turns the vector to (X, Y), with the rest 0, where the pressure is constant.
-    pub fn turn(&mut self, to: Vector<R>) {
-        // the speed of the shaft is not disturbed
-        (self.at.x, self.at.v) = (to.x, -to.y);
     }
 
     /// Its part (X, Y).

@@ -14,14 +14,14 @@ const SHORTER: f64 = 0.4;
 /// A fast swing reaches the bound at the tip of its speed, which a step may have passed at its end: so many parts of it are looked at.
 const LOOKS: u32 = 8;
 
-/// The time in tau at which |x| + |y| of the instance first reaches [`RUNAWAY_BOUND`], within so many forcing periods; None if
+/// The time in tau from a state (x, y) to where |x| + |y| first reaches [`RUNAWAY_BOUND`], within so many forcing periods; None if
 /// it does not, or if the scheme gives the orbit up before.
-pub fn escape_time(parameters: &ParameterSet, steps_per_period: u32, periods: u32) -> Option<f64> {
+pub fn escape_time(parameters: &ParameterSet, [x, y]: [f64; 2], steps_per_period: u32, periods: u32) -> Option<f64> {
     let unit = unit_of_time(parameters[Parameter::Omega0]);
     let mut flow = Flow::<f64>::of(parameters, steps_per_period);
     flow.free_step *= SHORTER;
     let size = |x: f64, w: f64| x.abs() + (w / unit).abs();
-    let (mut x, mut w) = (parameters[Parameter::X0], parameters[Parameter::Y0] * unit);
+    let (mut x, mut w) = (x, y * unit);
     for period in 0..periods {
         let mut state = flow.start(x, w, LONG_PERIOD_TICKS);
         for _ in 0..most_passes(parameters.forcing_period()) {
@@ -65,19 +65,12 @@ mod tests {
     #[test]
     fn a_linear_orbit_runs_away_when_its_exponential_says() {
         // x'' = x from x = y: exp(tau), the sum of both is 2 exp(tau)
-        let set = [
-            (Parameter::B, 0.0),
-            (Parameter::Epsilon, 0.0),
-            (Parameter::X0, 0.1),
-            (Parameter::Y0, 0.1),
-        ]
-        .into_iter()
-        .fold(ParameterSet::default(), |set, (parameter, value)| {
-            set.with(parameter, value)
-        });
-        let time = escape_time(&set, 28, 5).unwrap();
+        let set = ParameterSet::default()
+            .with(Parameter::B, 0.0)
+            .with(Parameter::Epsilon, 0.0);
+        let time = escape_time(&set, [0.1, 0.1], 28, 5).unwrap();
         assert!((time - 5e4_f64.ln()).abs() < 1e-9, "{time}");
-        assert_eq!(escape_time(&set, 28, 3), None);
+        assert_eq!(escape_time(&set, [0.1, 0.1], 28, 3), None);
     }
 
     #[test]
@@ -89,7 +82,7 @@ mod tests {
                 set.with(parameter, value)
             })
             .with(Parameter::H1, -0.5);
-        let time = escape_time(&set, 28, 100).unwrap();
+        let time = escape_time(&set, [0.1, 0.0], 28, 100).unwrap();
         assert!((time - 286.072_805).abs() < 1e-3, "{time}");
     }
 }

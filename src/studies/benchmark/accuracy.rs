@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::{median, points_of_model, quantile};
 use crate::backend::cpu::CpuBackend;
-use crate::backend::{Backend, BackendError, Slice, Stage};
+use crate::backend::{Backend, BackendError, Instance, Slice, Stage};
 use crate::dynamics::reference::ReferenceOrbit;
 use crate::experiment::{Integration, MAX_MODES, Precision, Sampling, Scheme, Settings};
 use crate::parameters::{Parameter, ParameterSet};
@@ -123,7 +123,7 @@ fn exponents(
         },
         ..*settings
     };
-    backend.load(&settings, points)?;
+    backend.load(&settings, &Instance::starts(points))?;
     backend.advance(&Slice {
         stage: Stage::Measure,
         first: 0,

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use super::median;
-use crate::backend::{Backend, BackendError};
+use crate::backend::{Backend, BackendError, Instance};
 use crate::experiment::{Sampling, Settings};
 use crate::measure::measure_batch;
 use crate::parameters::ParameterSet;
@@ -39,7 +39,7 @@ impl Cost {
 ///
 /// # Errors
 /// If the backend fails.
-pub fn cost(backend: &mut dyn Backend, settings: &Settings, instances: &[ParameterSet]) -> Result<Cost, BackendError> {
+pub fn cost(backend: &mut dyn Backend, settings: &Settings, points: &[ParameterSet]) -> Result<Cost, BackendError> {
     let settings = Settings {
         sampling: Sampling {
             align_periods: 0,
@@ -49,11 +49,12 @@ pub fn cost(backend: &mut dyn Backend, settings: &Settings, instances: &[Paramet
         ..*settings
     };
     let per_instance_period =
-        |time: Duration, periods: u32| time.as_nanos() as f64 / (f64::from(periods) * instances.len() as f64);
-    let transient = u64::from(settings.sampling.transient_periods) * instances.len() as u64;
+        |time: Duration, periods: u32| time.as_nanos() as f64 / (f64::from(periods) * points.len() as f64);
+    let transient = u64::from(settings.sampling.transient_periods) * points.len() as u64;
+    let instances = Instance::starts(points);
     let (mut done, mut halfway) = (0, Duration::ZERO);
     let started = Instant::now();
-    measure_batch(backend, &settings, instances, &mut |instance_periods| {
+    measure_batch(backend, &settings, &instances, &mut |instance_periods| {
         done += instance_periods;
         if done == transient {
             halfway = started.elapsed();

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::{every, median, plane};
 use crate::backend::cpu::CpuBackend;
-use crate::backend::{Backend, BackendError};
+use crate::backend::{Backend, BackendError, Instance};
 use crate::experiment::{Precision, Sampling, Settings};
 use crate::measure::measure_batch;
 use crate::parameters::ParameterSet;
@@ -117,7 +117,8 @@ fn time(points: &[ParameterSet], periods: u32) -> Result<f64, BackendError> {
     let batch = backend.batch_size(&settings);
     let started = Instant::now();
     for points in points.chunks(batch) {
-        measure_batch(&mut backend, &settings, points, &mut |_| ControlFlow::Continue(()))?;
+        let instances = Instance::starts(points);
+        measure_batch(&mut backend, &settings, &instances, &mut |_| ControlFlow::Continue(()))?;
     }
     Ok(started.elapsed().as_nanos() as f64 / (2.0 * f64::from(periods) * points.len() as f64))
 }

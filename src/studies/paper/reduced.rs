@@ -5,7 +5,7 @@
 use super::table::{Row, Value};
 use super::{Data, Effort, Observer, Outcome, PaperError};
 use crate::analysis::bifurcation::{Columns, diagram};
-use crate::analysis::exponents::{from, lines};
+use crate::analysis::exponents::lines;
 use crate::analysis::onset::{Definition, Found, Scan, Way, fine_axis};
 use crate::backend::BackendKind;
 use crate::backend::cpu::CpuBackend;
@@ -371,8 +371,8 @@ fn trivial_exponent(effort: Effort) -> Row {
     let largest = [1.0, 3.5, 3.9, 6.0, 9.0]
         .into_iter()
         .filter_map(|zeta_k| {
-            let point = from(&damped(0.5).parameters().with(Parameter::ZetaK, zeta_k), START);
-            lyapunov_spectrum(&point, &settings)
+            let point = damped(0.5).parameters().with(Parameter::ZetaK, zeta_k);
+            lyapunov_spectrum(&point.with_initial_state(START), &settings)
         })
         .map(|spectrum| spectrum.exponents[2].abs())
         .fold(0.0, f64::max);

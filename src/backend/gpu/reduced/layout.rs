@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::super::layout::Access::{Read, ReadWrite, Uniform};
 use super::super::layout::{Binding, Count, Span, last_states};
-use crate::backend::{Contact, EndState, Sums};
+use crate::backend::{Contact, EndState, Instance, Sums};
 use crate::dynamics::drive::DriveTable;
 use crate::dynamics::{stroboscope, taylor};
 use crate::experiment::{Scheme, Settings};
@@ -137,16 +137,16 @@ pub struct Orbit {
 
 impl Orbit {
     /// The instance at the beginning of its run.
-    pub fn start(set: &ParameterSet) -> Self {
-        let x = set[Parameter::X0] as f32;
+    pub fn start(instance: &Instance) -> Self {
+        let [x, y] = instance.state.map(|value| value as f32);
         Self {
             x,
-            y: set[Parameter::Y0] as f32,
+            y,
             x_min: x,
             x_max: x,
             period: 0,
             runaway_period: 0,
-            under_resolved: u32::from(!taylor::is_layer_resolved::<f32>(set)),
+            under_resolved: u32::from(!taylor::is_layer_resolved::<f32>(&instance.parameters)),
         }
     }
 }

@@ -12,10 +12,9 @@ use super::layout::{Binding, birkhoff_weights};
 use super::model::Model;
 use super::pacer::Pace;
 use super::shader_source::{Kernel, Lanes, Shape};
-use crate::backend::{BackendError, EndState, Slice, Stage, Sums};
+use crate::backend::{BackendError, EndState, Instance, Slice, Stage, Sums};
 use crate::dynamics::divergence_check::{alike, is_checked};
 use crate::experiment::{Scheme, Settings};
-use crate::parameters::ParameterSet;
 
 /// A batch's model.
 pub(super) struct Reduced {
@@ -64,10 +63,12 @@ impl Model for Reduced {
         }
     }
 
-    fn fill(&self, context: &GpuContext, buffers: &Buffers, settings: &Settings, instances: &[ParameterSet]) {
-        let parameters: Vec<Parameters> = instances.iter().map(|set| Parameters::new(set, settings)).collect();
+    fn fill(&self, context: &GpuContext, buffers: &Buffers, settings: &Settings, instances: &[Instance]) {
+        let points = instances.iter().map(|instance| &instance.parameters);
+        let parameters: Vec<Parameters> = points.map(|set| Parameters::new(set, settings)).collect();
         let orbits: Vec<Orbit> = instances.iter().map(Orbit::start).collect();
-        let tangents: Vec<Tangent> = vec![[1.0, 0.0]; instances.len()];
+        let vectors = instances.iter().map(|instance| instance.tangent);
+        let tangents: Vec<Tangent> = vectors.map(|vector| vector.map(|value| value as f32)).collect();
         self.write_run(context, buffers, settings, instances.len());
         if settings.integration.scheme == Scheme::Rk4 {
             buffers.write(context, binding::DRIVE, &layout::drive_entries(self.steps_per_period));
@@ -81,12 +82,6 @@ impl Model for Reduced {
     fn write_run(&self, context: &GpuContext, buffers: &Buffers, settings: &Settings, instances: usize) {
         buffers.write(context, binding::RUN, &[Run::new(settings, instances as u32)]);
         buffers.write(context, binding::BIRKHOFF_WEIGHTS, &birkhoff_weights(settings));
-    }
-
-    fn set_tangents(&self, context: &GpuContext, buffers: &Buffers, tangents: &[[f64; 2]]) -> Result<(), BackendError> {
-        let tangents: Vec<Tangent> = tangents.iter().map(|vector| vector.map(|value| value as f32)).collect();
-        buffers.write(context, binding::TANGENTS, &tangents);
-        Ok(())
     }
 
     fn take_sums(&self, context: &GpuContext, buffers: &Buffers, count: usize) -> Result<Vec<Sums>, BackendError> {

@@ -8,9 +8,10 @@ use bytemuck::{Pod, Zeroable};
 
 use super::super::layout::Access::{Read, ReadWrite, Uniform};
 use super::super::layout::{Binding, Count, Span, last_states};
-use crate::backend::{Contact, EndState, Sums};
+use crate::backend::{Contact, EndState, Instance, Sums};
 use crate::dynamics::adaptive::{self, Control, System, Tangent};
 use crate::dynamics::stroboscope;
+use crate::dynamics::tangent::Vector;
 use crate::experiment::Settings;
 use crate::model::rubbing::HeatModes;
 use crate::parameters::{Parameter, ParameterSet};
@@ -200,11 +201,12 @@ pub struct Orbit {
 
 impl Orbit {
     /// The instance at the beginning of its run.
-    pub fn start(set: &ParameterSet, heat: &HeatModes) -> Self {
-        let system = System::<f32>::new(|parameter| set[parameter] as f32, |_| heat);
-        let orbit = adaptive::Orbit::start(&system, set[Parameter::X0] as f32, set[Parameter::Y0] as f32);
+    pub fn start(instance: &Instance, heat: &HeatModes) -> Self {
+        let system = System::<f32>::new(|parameter| instance.parameters[parameter] as f32, |_| heat);
+        let [x, y] = instance.state.map(|value| value as f32);
+        let orbit = adaptive::Orbit::start(&system, x, y);
         let peaks = adaptive::Peaks::start(&orbit);
-        let tangent = Tangent::<f32>::start(0).at;
+        let tangent = Tangent::<f32>::start(Vector::from_lanes(|_| instance.tangent), 0).at;
         Self {
             x: orbit.x,
             v: orbit.v,

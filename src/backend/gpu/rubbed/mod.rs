@@ -12,7 +12,7 @@ use super::layout::{Binding, birkhoff_weights};
 use super::model::Model;
 use super::pacer::Pace;
 use super::shader_source::{Kernel, Lanes, Shape};
-use crate::backend::{BackendError, EndState, Slice, Stage, Sums};
+use crate::backend::{BackendError, EndState, Instance, Slice, Stage, Sums};
 use crate::experiment::{MAX_MODES, Settings};
 use crate::model::rubbing::Spectra;
 use crate::parameters::ParameterSet;
@@ -28,13 +28,13 @@ const MOST_PERIODS: u32 = 4;
 /// A batch's model.
 pub(super) struct Rubbed {
     modes: u32,
-    instances: Vec<ParameterSet>,
+    points: Vec<ParameterSet>,
 }
 
 impl Rubbed {
     /// # Errors
     /// If there are more heat modes, or fewer, than arrays in kernels hold.
-    pub fn new(settings: &Settings, instances: &[ParameterSet]) -> Result<Self, BackendError> {
+    pub fn new(settings: &Settings, instances: &[Instance]) -> Result<Self, BackendError> {
         let modes = settings.integration.modes;
         if !(1..=MAX_MODES).contains(&modes) {
             return Err(BackendError::Unsupported(format!(
@@ -43,7 +43,7 @@ impl Rubbed {
         }
         Ok(Self {
             modes,
-            instances: instances.to_vec(),
+            points: instances.iter().map(|instance| instance.parameters).collect(),
         })
     }
 }
@@ -76,22 +76,25 @@ impl Model for Rubbed {
         (kernel, slice.periods)
     }
 
-    fn fill(&self, context: &GpuContext, buffers: &Buffers, settings: &Settings, instances: &[ParameterSet]) {
+    fn fill(&self, context: &GpuContext, buffers: &Buffers, settings: &Settings, instances: &[Instance]) {
         let slots = layout::slots(self.modes) as usize;
         let mut heat_modes = vec![HeatMode { rate: 0.0, weight: 0.0 }; slots * instances.len()];
-        let spectra = Spectra::new(instances, self.modes as usize);
+        let spectra = Spectra::new(&self.points, self.modes as usize);
         let (parameters, orbits): (Vec<_>, Vec<_>) = instances
             .iter()
             .enumerate()
-            .map(|(instance, set)| {
-                let heat = spectra.heat_modes(set);
+            .map(|(index, instance)| {
+                let heat = spectra.heat_modes(&instance.parameters);
                 for slot in 0..slots {
-                    heat_modes[slot * instances.len() + instance] = HeatMode {
+                    heat_modes[slot * instances.len() + index] = HeatMode {
                         rate: heat.rates[slot] as f32,
                         weight: heat.weights[slot] as f32,
                     };
                 }
-                (Parameters::new(set, &heat), Orbit::start(set, &heat))
+                (
+                    Parameters::new(&instance.parameters, &heat),
+                    Orbit::start(instance, &heat),
+                )
             })
             .unzip();
         self.write_run(context, buffers, settings, instances.len());
@@ -106,10 +109,6 @@ impl Model for Rubbed {
         buffers.write(context, binding::BIRKHOFF_WEIGHTS, &birkhoff_weights(settings));
     }
 
-    fn set_tangents(&self, _: &GpuContext, _: &Buffers, _: &[[f64; 2]]) -> Result<(), BackendError> {
-        Err(BackendError::tangents_with_heat())
-    }
-
     fn take_sums(&self, context: &GpuContext, buffers: &Buffers, count: usize) -> Result<Vec<Sums>, BackendError> {
         let totals: Vec<Totals> = buffers.take(context, binding::TOTALS, count)?;
         Ok(totals.into_iter().map(Sums::from).collect())
@@ -117,7 +116,7 @@ impl Model for Rubbed {
 
     fn end_states(&self, context: &GpuContext, buffers: &Buffers, count: usize) -> Result<Vec<EndState>, BackendError> {
         let orbits: Vec<Orbit> = buffers.read(context, binding::ORBITS, count)?;
-        let ends = orbits.iter().zip(&self.instances);
+        let ends = orbits.iter().zip(&self.points);
         Ok(ends.map(|(orbit, set)| orbit.end_state(set)).collect())
     }
 }
