@@ -5,6 +5,7 @@
 mod program;
 
 use std::fs;
+use std::path::Path;
 use std::process::Output;
 
 use serde_json::Value;
@@ -584,4 +585,24 @@ fn a_bush_that_turns_too_far_is_told_once() {
     let map = tribochaos(folder.path(), &[&axes[..], &far, &["--backend", "cpu"]].concat());
     done(&map);
     assert_eq!(warned(&map), 1, "{}", text(&map.stderr));
+}
+
+/// The machines of `examples/machines` can be built, as far as the program can tell, and go chaotic.
+#[test]
+fn machines_that_can_be_built_go_chaotic() {
+    let folder = TempDir::new().unwrap();
+    let machines = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/machines");
+    let mut count = 0;
+    for file in fs::read_dir(machines).unwrap() {
+        let file = file.unwrap().path();
+        let file = file.to_str().unwrap();
+        let output = tribochaos(folder.path(), &["point", "--machine", file, "--json"]);
+        assert_eq!(text(&output.stderr), "", "{file}");
+        let point: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(point["class"], "chaotic", "{file}");
+        let [exponent, error] = ["lyapunov", "lyapunov_error"].map(|name| point[name].as_f64().unwrap());
+        assert!(exponent > 8.0 * error, "{file}: {exponent} +- {error}");
+        count += 1;
+    }
+    assert_eq!(count, 2);
 }

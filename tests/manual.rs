@@ -119,15 +119,16 @@ fn every_command_of_the_readme_and_the_manual_runs() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Runs the commands of a page one after another in a folder that has the gallery; the failures.
+/// Runs the commands of a page one after another in a folder that has the gallery and the machines; the failures.
 fn run(page: &Path, commands: &[String]) -> Vec<String> {
     let folder = tempfile::tempdir().expect("a folder");
-    let gallery = Path::new(env!("CARGO_MANIFEST_DIR")).join("outputs/gallery");
-    let copies = folder.path().join("outputs/gallery");
-    fs::create_dir_all(&copies).expect("a folder");
-    for picture in fs::read_dir(gallery).expect("the gallery") {
-        let picture = picture.expect("a picture").path();
-        fs::copy(&picture, copies.join(picture.file_name().expect("a name"))).expect("a copy");
+    for shown in ["outputs/gallery", "examples/machines"] {
+        let copies = folder.path().join(shown);
+        fs::create_dir_all(&copies).expect("a folder");
+        for file in fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(shown)).expect("a folder") {
+            let file = file.expect("a file").path();
+            fs::copy(&file, copies.join(file.file_name().expect("a name"))).expect("a copy");
+        }
     }
     let program = cargo_bin("tribochaos");
     let search = std::env::var("PATH").unwrap_or_default();
