@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 /// A dimensionless parameter of the bush-shaft system, or a component of its initial state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[allow(missing_docs, reason = "the rows of the table tell what each is")]
 pub enum Parameter {
     ZetaK,
     H1,
@@ -36,14 +37,17 @@ pub enum Parameter {
 /// What the table says of one parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct ParameterInfo {
+    /// Whose row this is.
     pub parameter: Parameter,
     /// The name used in commands, files and data.
     pub name: &'static str,
     /// The symbol used in pictures.
     pub symbol: &'static str,
+    /// The value where none is set.
     pub default: f64,
     /// Least and greatest admissible value, both included.
     pub range: (f64, f64),
+    /// What it is, in a few words.
     pub meaning: &'static str,
     /// Where the parameter enters: equation of Awrejcewicz and Pyryev (2006).
     pub source: &'static str,
@@ -85,6 +89,7 @@ parameter_table! {
 }
 
 impl Parameter {
+    /// Number of parameters.
     pub const COUNT: usize = PARAMETERS.len();
 
     /// The parameter's row of the table.
@@ -92,6 +97,7 @@ impl Parameter {
         &PARAMETERS[self as usize]
     }
 
+    /// The name used in commands, files and data.
     pub fn name(self) -> &'static str {
         self.info().name
     }
@@ -216,7 +222,9 @@ impl IndexMut<Parameter> for ParameterSet {
     }
 }
 
+/// Why something is no parameter, or no value of one.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages tell what each is")]
 pub enum ParameterError {
     #[error(
         "unknown parameter `{name}`{}; `tribochaos map --help` lists the parameters, `tribochaos machine --help` the \

@@ -12,6 +12,7 @@ use crate::measure::{Class, Measurement, QUANTITIES, Quantity, Status};
 /// Values of every quantity at every point of a design, in its order.
 #[derive(Clone, Debug)]
 pub struct Results {
+    /// What the values were computed for.
     pub experiment: Experiment,
     columns: Vec<Vec<f64>>,
 }

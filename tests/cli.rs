@@ -810,7 +810,7 @@ fn ctrl_c_keeps_what_is_finished() {
     let finished = folder.path().join("outputs/map.zarr/status/c");
     let started = Instant::now();
     while !finished.exists() {
-        assert!(started.elapsed() < Duration::from_secs(120), "no tile was written");
+        assert!(started.elapsed() < Duration::from_mins(2), "no tile was written");
         assert!(
             child.try_wait().unwrap().is_none(),
             "the map ended before it was interrupted"
@@ -837,7 +837,7 @@ fn ctrl_c_keeps_what_is_finished() {
     assert!(text(&output.stderr).contains("goes on from there"));
     let lock = folder.path().join("outputs/.map.zarr.lock");
     while fs::read_to_string(&lock).unwrap_or_default() != waiting.id().to_string() {
-        assert!(started.elapsed() < Duration::from_secs(120), "nobody goes on");
+        assert!(started.elapsed() < Duration::from_mins(2), "nobody goes on");
         std::thread::sleep(Duration::from_millis(20));
     }
     std::thread::sleep(Duration::from_millis(200));

@@ -175,11 +175,11 @@ fn stopped(folder: &Path, before: &str, signal: &str, patience: Duration) -> (Op
                 .status()
                 .unwrap()
                 .success()
-        )
+        );
     };
     let begun = Instant::now();
     while !folder.join("m.zarr/zarr.json").exists() {
-        assert!(begun.elapsed() < Duration::from_secs(60), "no store");
+        assert!(begun.elapsed() < Duration::from_mins(1), "no store");
         std::thread::sleep(Duration::from_millis(20));
     }
     std::thread::sleep(Duration::from_millis(300));
@@ -199,7 +199,7 @@ fn stopped(folder: &Path, before: &str, signal: &str, patience: Duration) -> (Op
 #[cfg(target_os = "linux")]
 fn a_signal_is_told_by_its_name_and_one_that_is_ignored_stays_ignored() {
     let folder = TempDir::new().unwrap();
-    let (code, said) = stopped(folder.path(), "", "-HUP", Duration::from_secs(120));
+    let (code, said) = stopped(folder.path(), "", "-HUP", Duration::from_mins(2));
     assert!(
         code == Some(129) && said.contains("stopped by SIGHUP"),
         "{code:?}: {said}"

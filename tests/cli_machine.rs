@@ -445,6 +445,7 @@ fn a_history_of_a_machine_has_columns_in_si() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a table of cases")]
 fn bad_machines_are_refused_with_a_reason_before_any_work() {
     let folder = folder();
     let before = fs::read_dir(folder.path()).unwrap().count();

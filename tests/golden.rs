@@ -129,10 +129,10 @@ fn fault(row: &Row, golden: &Row, tolerance: &Tolerance) -> Option<&'static str>
         Some(Class::Regular) => tolerance.regular_exponent,
         Some(_) => tolerance.combined_errors * row.lyapunov_error.hypot(golden.lyapunov_error),
     };
-    if row.period != golden.period {
-        Some("period")
-    } else {
+    if row.period == golden.period {
         (difference > allowed).then_some("exponent")
+    } else {
+        Some("period")
     }
 }
 

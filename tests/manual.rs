@@ -70,7 +70,7 @@ fn shortened(command: &str) -> String {
         }
     }
     if let Some(at) = words.iter().position(|word| word == "--points") {
-        words[at + 1] = STATES.to_owned();
+        words[at + 1] = STATES.into();
     }
     if let Some(at) = words.iter().position(|word| word == "--lifetime") {
         // the number of states is optional

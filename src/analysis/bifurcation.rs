@@ -26,6 +26,7 @@ pub enum Columns {
 /// Stroboscopic states at drive phase 0, column by column.
 #[derive(Clone, Debug)]
 pub struct Diagram {
+    /// One column for each of its values.
     pub axis: Axis,
     /// All else.
     pub fixed: Fixed,
@@ -41,6 +42,7 @@ impl Diagram {
         self.columns.iter().map(Vec::len).sum()
     }
 
+    /// Whether there is no state: every orbit ran away or was given up.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -11,6 +11,7 @@ use crate::measure::Measurement;
 /// Measurements over an axis from one initial state.
 #[derive(Clone, Debug)]
 pub struct Line {
+    /// One measurement for each of its values.
     pub axis: Axis,
     /// All else.
     pub fixed: Fixed,

@@ -41,6 +41,7 @@ pub enum Decay {
     Lasting {
         /// Forcing periods after which there are no more than those that last.
         start: u32,
+        /// States that last.
         left: usize,
         /// What the mean lifetime exceeds with a confidence of 95 %, in forcing periods: by the rule of three, a third of
         /// the time that all states together have lasted since then.
@@ -59,12 +60,13 @@ pub struct Fit {
     pub left: usize,
     /// Those of them that settle by the end.
     pub escapes: usize,
+    /// Mean lifetime of a state.
     pub lifetime: f64,
     /// Standard error of the lifetime.
     pub error: f64,
-    /// Kolmogorov-Smirnov distance between the escapes and an exponential decay, and what is exceeded by chance in 5 % of
-    /// cases.
+    /// Kolmogorov-Smirnov distance between the escapes and an exponential decay.
     pub distance: f64,
+    /// What an exponential decay itself exceeds by chance in 5 % of cases.
     pub distance_limit: f64,
 }
 
@@ -90,6 +92,7 @@ impl Survival {
         Self::new(settled.collect(), lasting, longest)
     }
 
+    /// Number of states, those that have settled and those that last.
     pub fn states(&self) -> usize {
         self.settled.len() + self.lasting
     }

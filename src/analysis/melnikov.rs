@@ -16,6 +16,7 @@ use crate::parameters::{Parameter, ParameterSet};
 pub struct Curve {
     /// Along which the threshold was looked for.
     pub along: Axis,
+    /// At each of its values the threshold was looked for.
     pub over: Axis,
     /// All else.
     pub fixed: Fixed,
@@ -162,7 +163,9 @@ pub fn default_search(at: &Fixed, coordinate: Coordinate) -> Option<Axis> {
 /// Values of an axis along which a threshold is looked for.
 pub const SEARCH_VALUES: usize = 121;
 
+/// Why there is no curve of thresholds.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages tell what each is")]
 pub enum CurveError {
     #[error(transparent)]
     Melnikov(#[from] MelnikovError),
@@ -207,7 +210,9 @@ mod tests {
         ] {
             let mut curve = curve_over_map(&experiment(x, y)).unwrap();
             if turned {
-                curve.iter_mut().for_each(|point| point.reverse());
+                for point in &mut curve {
+                    point.reverse();
+                }
             }
             for [zeta_k, h1] in [[3.3047, 0.0], [3.6933, 0.5], [3.9609, 1.0]] {
                 let is_there = |point: &[f64; 2]| (point[0] - zeta_k).abs() < 1e-4 && (point[1] - h1).abs() < 1e-12;

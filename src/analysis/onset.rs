@@ -35,6 +35,7 @@ const CONFIRMED_TOGETHER: usize = 32;
 pub struct Definition {
     /// Least exponent, per unit of tau.
     pub least_exponent: f64,
+    /// How exponents are measured at first; chaos is confirmed over [`CONFIRMING_PERIODS`].
     pub settings: Settings,
 }
 
@@ -130,11 +131,13 @@ pub fn fine_axis(axis: &Axis, spacing: f64) -> Axis {
 /// A value of the fine grid with chaos.
 #[derive(Clone, Copy, Debug)]
 pub struct Found {
+    /// In the unit of the axis.
     pub value: f64,
     /// The initial state (x, y) that leads to chaos there, the first of several.
     pub start: [f64; 2],
-    /// The exponent over the definition's periods, per unit of tau, and its standard error.
+    /// The exponent over the definition's periods, per unit of tau.
     pub exponent: f64,
+    /// Its standard error.
     pub error: f64,
     /// Over [`CONFIRMING_PERIODS`].
     pub again: Measurement,
@@ -154,12 +157,15 @@ pub struct Scanned {
 /// The way along the fine grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
+    /// From the least value to the greatest.
     Up,
+    /// From the greatest value to the least.
     Down,
 }
 
 /// What is scanned for chaos.
 pub struct Scan<'a> {
+    /// What counts as chaos.
     pub definition: &'a Definition,
     /// All that is not on the axis.
     pub at: &'a Fixed,
@@ -225,6 +231,7 @@ impl Scan<'_> {
 
     /// The place of the first of the points with chaos that lasts, and its longer measurement. The outer None means that the
     /// observer broke it off.
+    #[expect(clippy::option_option, reason = "broken off is not the same as nothing found")]
     fn first_lasting(
         &self,
         points: &[Point],

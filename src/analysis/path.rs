@@ -18,7 +18,9 @@ use crate::parameters::{Parameter, ParameterSet};
 pub struct PathPoint {
     /// Time since the end of the transient, in units of tau.
     pub tau: f64,
+    /// Angle of the bush.
     pub x: f64,
+    /// Angular speed of the bush, dx/dtau.
     pub y: f64,
     /// Whether the drive's phase is 0 here: the point belongs to the stroboscopic section.
     pub is_stroboscopic: bool,
@@ -27,6 +29,7 @@ pub struct PathPoint {
 /// What an orbit has come along.
 #[derive(Clone, Debug)]
 pub struct Path {
+    /// In the order of time.
     pub points: Vec<PathPoint>,
     /// Where the orbit ran away, or the scheme gave it up, the path ends.
     pub status: Status,

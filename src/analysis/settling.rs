@@ -44,6 +44,7 @@ pub enum End {
 /// An orbit, followed.
 #[derive(Clone, Copy, Debug)]
 pub struct Fate {
+    /// Whether it settled, and when.
     pub end: End,
     /// Logarithm of the growth of a tangent vector before the orbit settled, and the forcing periods over which it grew.
     pub growth: [f64; 2],
@@ -207,19 +208,18 @@ impl Track {
     /// Forcing periods after which the orbit has settled on what it ends on.
     fn settled(&self, settings: &Settings) -> u32 {
         let last = self.states.len() - 1;
-        let away = match self.cycle(settings) {
+        let away = if let Some(period) = self.cycle(settings) {
             // the phase is that of the end
-            Some(period) => (0..last).rev().find(|n| {
+            (0..last).rev().find(|n| {
                 let (state, settled) = (self.states[*n], self.states[last - (last - n) % period]);
                 (0..2).any(|i| (state[i] - settled[i]).abs() > NEAR)
-            }),
-            None => {
-                let mut most = f64::NEG_INFINITY;
-                (0..=last).rev().find(|n| {
-                    most = most.max(self.growth[*n]);
-                    most - self.growth[*n] > SWING
-                })
-            }
+            })
+        } else {
+            let mut most = f64::NEG_INFINITY;
+            (0..=last).rev().find(|n| {
+                most = most.max(self.growth[*n]);
+                most - self.growth[*n] > SWING
+            })
         };
         away.map_or(0, |n| n as u32 + 1)
     }

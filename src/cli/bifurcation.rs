@@ -1,5 +1,6 @@
 //! `bifurcation`: stroboscopic states over one parameter.
 
+use std::fmt::Write as _;
 use std::time::Instant;
 
 use clap::Args;
@@ -73,6 +74,10 @@ pub fn defaults() -> Request {
     defaults
 }
 
+#[expect(
+    clippy::too_many_lines,
+    reason = "a command is told from what is typed to what is written"
+)]
 pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
     let axis = AskedAxis {
         typed: args.x.as_ref(),
@@ -146,10 +151,15 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
         caption::scheme(settings)
     );
     if outside > 0 {
-        numerics += &format!("{outside} of {} states lie outside the frame. ", diagram.len());
+        let _ = write!(
+            numerics,
+            "{outside} of {} states lie outside the frame. ",
+            diagram.len()
+        );
     }
     if diagram.runaways > 0 {
-        numerics += &format!(
+        let _ = write!(
+            numerics,
             "{} orbits ran away or were given up as under-resolved. ",
             diagram.runaways
         );

@@ -25,6 +25,7 @@ use super::{Failure, outputs};
 
 #[derive(Args)]
 #[command(after_long_help = request::help())]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 pub struct MapArgs {
     /// The same as --from
     #[arg(value_name = "EXPERIMENT", conflicts_with = "from")]

@@ -132,6 +132,10 @@ fn check_machines(axes: Vec<Axis>, at: &Fixed) -> Result<(), Failure> {
     design.extents().map(|_| ()).map_err(Failure::input)
 }
 
+#[expect(
+    clippy::too_many_lines,
+    reason = "a command is told from what is typed to what is written"
+)]
 pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
     let mut request = args.subject.base(Some(COMMAND), &Request::default())?;
     args.subject.apply(&mut request)?;
@@ -373,26 +377,23 @@ fn report_curve(curve: &Curve, object: Option<&mut Value>) {
     let [begins, ceases, always, never] = ["begins", "ceases", "always", "never"].map(count);
     let (name, values) = (curve.over.coordinate, curve.over.count());
     let range = range(&curve.fixed, &curve.along);
-    match object {
-        Some(object) => {
-            object["curve"] = json!({
-                "over": name, "values": values, "begins": begins, "ceases": ceases, "always": always, "never": never,
-            });
-        }
-        None => {
-            let parts = [
-                (begins, "M begins to change sign upward".to_owned()),
-                (ceases, "M ceases to change sign upward".to_owned()),
-                (always, format!("M changes sign everywhere {range}")),
-                (never, format!("M changes sign nowhere {range}")),
-            ];
-            let told: Vec<String> = parts
-                .into_iter()
-                .filter(|(count, _)| *count > 0)
-                .map(|(count, what)| format!("at {count} of {values} values {what}"))
-                .collect();
-            print_line!("over {name}: {}\n", told.join(", "));
-        }
+    if let Some(object) = object {
+        object["curve"] = json!({
+            "over": name, "values": values, "begins": begins, "ceases": ceases, "always": always, "never": never,
+        });
+    } else {
+        let parts = [
+            (begins, "M begins to change sign upward".to_owned()),
+            (ceases, "M ceases to change sign upward".to_owned()),
+            (always, format!("M changes sign everywhere {range}")),
+            (never, format!("M changes sign nowhere {range}")),
+        ];
+        let told: Vec<String> = parts
+            .into_iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, what)| format!("at {count} of {values} values {what}"))
+            .collect();
+        print_line!("over {name}: {}\n", told.join(", "));
     }
     if begins + ceases == 0 {
         let place = match (always, never) {

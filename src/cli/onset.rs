@@ -2,6 +2,8 @@
 //!
 //! Owns the words and the object; what counts as chaos is the library's.
 
+use std::fmt::Write as _;
+
 use serde_json::{Value, json};
 use tribochaos::analysis::onset::{self, CONFIRMING_PERIODS, Definition, Found, MOST_VALUES, Scan, Scanned, Way};
 use tribochaos::design::{Axis, Design};
@@ -254,7 +256,7 @@ impl Outcome {
         let [onset, end] = &**bounds;
         let mut words = format!("onset: {}", onset.words(search, experiment));
         if end.scanned.found.is_some() {
-            words += &format!("\nend:   {}", end.words(search, experiment));
+            let _ = write!(words, "\nend:   {}", end.words(search, experiment));
         }
         words + &format!("\n       {}", search.method())
     }

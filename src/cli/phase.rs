@@ -106,9 +106,8 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
             };
             if let Some(ending) = ending {
                 let at = varied.iter().zip(&values);
-                let at: String = at
-                    .map(|(coordinate, value)| format!(" at {coordinate} = {value}"))
-                    .collect();
+                let at = at.map(|(coordinate, value)| format!(" at {coordinate} = {value}"));
+                let at = at.collect::<Vec<_>>().concat();
                 eprintln!("warning: the orbit from ({x}, {y}){at} {ending}: its path ends there");
             }
             let mut name: Vec<String> = varied

@@ -1,5 +1,6 @@
 //! `poincare`: the stroboscopic section of an attractor.
 
+use std::fmt::Write as _;
 use std::time::Instant;
 
 use clap::Args;
@@ -70,6 +71,10 @@ pub fn defaults() -> Request {
 /// Options of experiments that are refused here.
 pub const HIDDEN: &[&str] = &["periods"];
 
+#[expect(
+    clippy::too_many_lines,
+    reason = "a command is told from what is typed to what is written"
+)]
 pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     if args.experiment.periods.is_some() {
         return Err(Failure::Input(anyhow::anyhow!(
@@ -129,10 +134,13 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
         caption::scheme(settings)
     );
     if outside > 0 {
-        numerics += &format!("{outside} states lie outside the window. ");
+        let _ = write!(numerics, "{outside} states lie outside the window. ");
     }
     if runaways > 0 {
-        numerics += &format!("{runaways} orbits ran away or were given up as under-resolved. ");
+        let _ = write!(
+            numerics,
+            "{runaways} orbits ran away or were given up as under-resolved. "
+        );
     }
     let caption = vec![
         caption::fixed(at, &[] as &[Coordinate]),

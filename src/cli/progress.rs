@@ -163,6 +163,7 @@ impl Progress {
     }
 
     /// Hears the events of a run; breaks it off after a signal.
+    #[expect(clippy::needless_pass_by_value, reason = "observers are given their events")]
     pub fn hear(&self, event: Event<'_>) -> ControlFlow<()> {
         match event {
             Event::Advanced(instance_periods) => {

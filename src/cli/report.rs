@@ -21,7 +21,7 @@ pub fn plan(experiment: &Experiment) -> String {
         let unit = experiment.design.fixed.unit(axis.coordinate);
         let value = |value: f64| match axis.coordinate {
             Coordinate::Parameter(_) => value.to_string(),
-            Coordinate::Si(_) => si(value, unit).to_string(),
+            Coordinate::Si(_) => si(value, unit),
         };
         let values = match axis.spacing() {
             Spacing::Even { start, stop, .. } => format!("{}..{}", value(*start), value(*stop)),
@@ -152,6 +152,7 @@ pub fn object(map: &ParameterMap) -> Value {
 }
 
 /// What a map came out as; `work` was done in `elapsed` on `devices`.
+#[expect(clippy::too_many_lines, reason = "a report is told from its first line to its last")]
 pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[String]) -> String {
     let mut text = String::new();
     let settings = &map.experiment.settings;

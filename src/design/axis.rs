@@ -14,16 +14,19 @@ use crate::parameters::ParameterError;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written")]
 pub struct Axis {
+    /// What takes the values, in its own unit.
     pub coordinate: Coordinate,
     spacing: Spacing,
 }
 
-/// How the values of an axis lie.
+/// How the values of an axis lie. `start` is the first value and may be the greater end; `count` is the number of values.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Spacing {
     /// At equal distances, both ends included.
+    #[allow(missing_docs, reason = "told above for both kinds")]
     Even { start: f64, stop: f64, count: usize },
     /// At equal ratios, both ends included.
+    #[allow(missing_docs, reason = "told above for both kinds")]
     Logarithmic { start: f64, stop: f64, count: usize },
     /// One by one, in any order.
     Listed(Vec<f64>),
@@ -207,6 +210,7 @@ impl Axis {
         }
     }
 
+    /// How the values lie, as the axis was asked for.
     pub fn spacing(&self) -> &Spacing {
         &self.spacing
     }
@@ -361,6 +365,7 @@ fn as_typed(value: f64, scale: f64, spacings: f64) -> f64 {
 
 /// Why something is no axis.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages tell what each is")]
 pub enum AxisError {
     #[error(
         "`{text}` is no axis: write NAME=START:STOP:COUNT, NAME=log:START:STOP:COUNT or NAME=V1,V2,..., for example zeta_k=0:12:300"

@@ -13,7 +13,9 @@ use crate::parameters::{self, PARAMETERS, Parameter, ParameterError};
 /// What an axis runs over and what can be set: a dimensionless parameter, or a quantity of a machine in SI units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Coordinate {
+    /// Dimensionless.
     Parameter(Parameter),
+    /// In the unit that [`Fixed::unit`](super::Fixed::unit) tells; only where there is a machine.
     Si(SiQuantity),
 }
 
@@ -53,6 +55,7 @@ impl Coordinate {
         }
     }
 
+    /// What it is, in a few words: as its table has it.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Parameter(parameter) => parameter.info().meaning,

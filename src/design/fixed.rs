@@ -38,10 +38,12 @@ impl Fixed {
         }
     }
 
+    /// A value for every parameter; those that a machine determines follow from it.
     pub fn parameters(&self) -> &ParameterSet {
         &self.parameters
     }
 
+    /// None where parameters are set one by one.
     pub fn machine(&self) -> Option<&Machine> {
         self.machine.as_ref()
     }

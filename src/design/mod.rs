@@ -22,7 +22,9 @@ use crate::parameters::{PARAMETERS, Parameter, ParameterSet};
 /// Which points are computed: what varies, and what all have in common.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design {
+    /// What differs from point to point.
     pub varied: Varied,
+    /// What holds at every point, but for the coordinates that vary.
     pub fixed: Fixed,
 }
 
@@ -190,6 +192,7 @@ impl Design {
     ///
     /// # Errors
     /// [`DesignError`] if the machine has no parameters, or ones out of range, somewhere in the design.
+    #[expect(clippy::missing_panics_doc, reason = "a design has points")]
     pub fn extents(&self) -> Result<Extents, DesignError> {
         let machines = Self {
             varied: self.varied.of_machine(),
@@ -231,6 +234,7 @@ impl Design {
 
 /// Why something is no design.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages tell what each is")]
 pub enum DesignError {
     #[error(
         "{parameter} follows from the machine: set {governing} ({}) instead, or make that an axis",

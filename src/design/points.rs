@@ -75,6 +75,7 @@ impl Points {
         })
     }
 
+    /// What the values of a row are of, in their order.
     pub fn coordinates(&self) -> &[Coordinate] {
         &self.coordinates
     }
@@ -109,6 +110,7 @@ impl Points {
 
 /// Why something is no list of points.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages tell what each is")]
 pub enum PointsError {
     #[error("the list of points is empty: give it at least one column and one row")]
     Empty,

@@ -25,7 +25,7 @@ const MANY_GROUPS: usize = 12;
 ///
 /// Batch means: the batches' scatter gives the error whatever the correlation inside a batch. Where it reaches from one
 /// batch into the next, groups of 2, 4, ... batches scatter more than single ones would make them; the largest estimate
-/// with at least 8 groups is taken, those of less than 12 groups times [`student`]'s factor (H. Flyvbjerg and H. G. Petersen,
+/// with at least 8 groups is taken, those of less than 12 groups times `student`'s factor (H. Flyvbjerg and H. G. Petersen,
 /// doi:10.1063/1.457480). Correlation over more than an eighth of the run is not seen. NaN if a growth is.
 pub fn standard_error(batches: &[(f64, f64)]) -> f64 {
     std::iter::successors(Some(1), |group| Some(2 * group))

@@ -23,6 +23,7 @@ pub struct Audit {
 pub struct ClassAudit {
     /// None for the transient motion of contacts that wear.
     pub class: Option<Class>,
+    /// Points of the class that were computed again.
     pub points: usize,
     /// Points that the reference puts into the same class, and whose contact is lost, or held, in both.
     pub same_class: usize,
@@ -37,6 +38,7 @@ pub struct ClassAudit {
 pub const EXPONENT_FLOOR: f64 = 1e-3;
 
 impl Audit {
+    /// Points that were computed again, of all classes.
     pub fn points(&self) -> usize {
         self.classes.iter().map(|row| row.points).sum()
     }
@@ -53,10 +55,12 @@ impl Audit {
             && different as f64 <= 0.05 * points as f64
     }
 
+    /// Points of all classes that agree as [`ClassAudit::same_class`] tells.
     pub fn same_class(&self) -> usize {
         self.classes.iter().map(|row| row.same_class).sum()
     }
 
+    /// Points of all classes that agree as [`ClassAudit::same_exponent`] tells.
     pub fn same_exponent(&self) -> usize {
         self.classes.iter().map(|row| row.same_exponent).sum()
     }

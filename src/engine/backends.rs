@@ -22,6 +22,7 @@ pub struct Backends {
 }
 
 impl Backends {
+    /// `fallback` takes over if `active` fails; without one, that ends the run.
     pub fn new(active: Box<dyn Backend>, fallback: Option<Box<dyn Backend>>) -> Self {
         Self { active, fallback }
     }
@@ -31,6 +32,7 @@ impl Backends {
         self.active.as_ref()
     }
 
+    /// The backend in use, to be worked on without the fall-back.
     pub fn active_mut(&mut self) -> &mut dyn Backend {
         self.active.as_mut()
     }

@@ -9,7 +9,9 @@ use crate::experiment::{BackendChoice, Experiment, Precision};
 
 /// The chosen backend with its fall-back, and the reason for the choice in a sentence.
 pub struct Choice {
+    /// A GPU that `auto` chose has the CPU to fall back on; others have nothing.
     pub backends: Backends,
+    /// Without a capital letter and a full stop, such as "the CPU was asked for".
     pub reason: String,
 }
 

@@ -84,6 +84,6 @@ mod tests {
             assert!(indices.is_sorted_by(|a, b| a < b) && indices.iter().all(|index| *index < points));
         }
         assert_eq!(spread(64, 6400).into_iter().filter(|index| *index >= 3200).count(), 32);
-        assert_eq!(spread(64, 64), Vec::from_iter(0..64));
+        assert_eq!(spread(64, 64), (0..64).collect::<Vec<_>>());
     }
 }

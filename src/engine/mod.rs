@@ -27,7 +27,12 @@ pub enum Event<'a> {
     /// A unit of so many instance-periods was finished by an earlier run.
     Found(u64),
     /// The backend failed; the fall-back goes on from the last finished batch.
-    FellBack { error: &'a BackendError, device: &'a str },
+    FellBack {
+        /// Why the backend failed.
+        error: &'a BackendError,
+        /// The device of the fall-back, in words.
+        device: &'a str,
+    },
 }
 
 /// Hears events; may break the run off.
@@ -125,6 +130,7 @@ pub fn run_on(
 #[derive(Debug, thiserror::Error)]
 #[error("{cause}")]
 pub struct EngineError {
+    /// A failure of the backend or of the sink, or the observer.
     pub cause: Cause,
     /// Units that the sink has whole.
     pub finished: usize,
@@ -134,6 +140,7 @@ pub struct EngineError {
 
 /// What ended a run.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages tell what each is")]
 pub enum Cause {
     #[error(transparent)]
     Backend(#[from] BackendError),

@@ -10,7 +10,9 @@ use serde::{Deserialize, Serialize};
 pub enum BackendChoice {
     /// A hardware GPU if there is one, else the CPU; never a software adapter.
     Auto,
+    /// A GPU, be it a software adapter; without one the experiment fails.
     Gpu,
+    /// The CPU, though there is a GPU.
     Cpu,
 }
 

@@ -20,6 +20,7 @@ pub enum Scheme {
 }
 
 impl Scheme {
+    /// Every scheme, in the order in which users read of them.
     pub const ALL: [Self; 3] = [Self::Taylor, Self::Rk4, Self::Radau];
 
     /// The name in files and commands.
@@ -56,7 +57,9 @@ impl Scheme {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Precision {
+    /// Single precision: on a GPU or the CPU.
     F32,
+    /// Double precision: on the CPU only.
     F64,
 }
 

@@ -27,9 +27,13 @@ use crate::parameters::{PARAMETERS, Parameter, ParameterError};
 /// A validated, fully resolved experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Experiment {
+    /// The points: what varies, and what all have in common.
     pub design: Design,
+    /// How points are integrated and what is sampled of them; with the design this identifies the results.
     pub settings: Settings,
+    /// On what it runs: results are the same but for rounding.
     pub device: Device,
+    /// How its results are checked; this changes none of them.
     pub checking: Checking,
     extents: Extents,
 }
@@ -162,7 +166,9 @@ fn in_range(name: &'static str, value: f64, min: f64, max: f64) -> Result<(), Ex
     }
 }
 
+/// Why something is no experiment.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages tell what each is")]
 pub enum ExperimentError {
     #[error(transparent)]
     Parameter(#[from] ParameterError),

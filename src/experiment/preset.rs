@@ -11,6 +11,7 @@ pub enum Preset {
 }
 
 impl Preset {
+    /// `paper` is the only name.
     pub fn from_name(name: &str) -> Option<Self> {
         (name == "paper").then_some(Self::Paper)
     }
@@ -24,6 +25,7 @@ impl Preset {
         set
     }
 
+    /// What the preset sets; other parameters keep their values.
     pub fn values(self) -> &'static [(Parameter, f64)] {
         match self {
             Self::Paper => &[

@@ -116,14 +116,14 @@ impl Request {
     ///
     /// # Errors
     /// As [`Request::from_toml`].
+    #[expect(clippy::missing_panics_doc, reason = "numbers and truth values have a TOML form")]
     pub fn from_toml_over(text: &str, defaults: Sampling) -> Result<Self, ExperimentError> {
-        let mut table = match of_version_0_1(text) {
-            Some(table) => table,
-            None => {
-                // an error in the text is told with its line
-                toml::from_str::<Self>(text)?;
-                text.parse()?
-            }
+        let mut table = if let Some(table) = of_version_0_1(text) {
+            table
+        } else {
+            // an error in the text is told with its line
+            toml::from_str::<Self>(text)?;
+            text.parse()?
         };
         let mut sampling = toml::Table::try_from(defaults).expect("sampling has a TOML form");
         if let Some(toml::Value::Table(own)) = table.remove("sampling") {
@@ -134,6 +134,7 @@ impl Request {
     }
 
     /// The request as TOML; [`Request::from_toml`] reads it back.
+    #[expect(clippy::missing_panics_doc, reason = "a request has a TOML form")]
     pub fn to_toml(&self) -> String {
         toml::to_string(self).expect("a request has a TOML form")
     }
@@ -170,6 +171,7 @@ impl Request {
     }
 
     /// The axes of a map for which none are asked: zeta_k = 0..12, 300 values, by h1 = 0..2, 201 values.
+    #[expect(clippy::missing_panics_doc, reason = "the table of parameters admits these axes")]
     pub fn default_map() -> [Axis; 2] {
         let axis = |parameter: Parameter, stop, count| {
             Axis::even(parameter, 0.0, stop, count).expect("the table of parameters admits the default map")

@@ -11,7 +11,9 @@ use crate::parameters::Parameter;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InitialBox {
+    /// Least and greatest angle.
     pub x: [f64; 2],
+    /// Least and greatest angular speed.
     pub y: [f64; 2],
 }
 

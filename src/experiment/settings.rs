@@ -7,7 +7,9 @@ use super::{ExperimentError, Integration, Sampling, Scheme};
 /// How instances are integrated, and what is sampled of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Settings {
+    /// Scheme, steps, tolerance and number type.
     pub integration: Integration,
+    /// Periods, initial states, and how the period of a motion is told.
     pub sampling: Sampling,
 }
 

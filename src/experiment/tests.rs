@@ -147,7 +147,7 @@ fn heat_and_wear_of_a_machine_are_seen_wherever_they_are() {
 
 #[test]
 fn what_does_not_go_with_a_machine_is_refused_with_a_reason() {
-    let machine: String = TEMPLATE.lines().map(|line| format!("{line}\n")).collect();
+    let machine: String = TEMPLATE.lines().flat_map(|line| [line, "\n"]).collect();
     let axes = |x: &str, y: &str| {
         format!(
             "[x]\nparameter = \"{x}\"\nstart = 1\nstop = 2\ncount = 5\n[y]\nparameter = \"{y}\"\nstart = 1\nstop = \

@@ -60,10 +60,15 @@ pub trait Real:
     fn from_lanes(values: impl FnMut(usize) -> f64) -> Self;
     fn lane(self, lane: usize) -> f64;
     /// `self * factor + addend`, fused where the target does that fast.
+    #[must_use]
     fn mul_add(self, factor: Self, addend: Self) -> Self;
+    #[must_use]
     fn abs(self) -> Self;
+    #[must_use]
     fn min(self, other: Self) -> Self;
+    #[must_use]
     fn max(self, other: Self) -> Self;
+    #[must_use]
     fn sqrt(self) -> Self;
     /// `self < other`; false where either is NaN.
     fn less(self, other: Self) -> Self::Mask;
@@ -89,6 +94,7 @@ pub trait Real:
     /// long as the program has their operations in turn. Compilers put one vector's after another's where that saves
     /// registers; this keeps them from it, at no cost in instructions.
     #[inline(always)]
+    #[must_use]
     fn in_step(self) -> Self {
         self
     }
@@ -100,6 +106,7 @@ pub trait Real:
 
     /// Natural logarithm, lane by lane: slow, for use once in many steps.
     #[inline(always)]
+    #[must_use]
     fn ln(self) -> Self {
         Self::from_lanes(|lane| self.lane(lane).ln())
     }
@@ -110,7 +117,9 @@ pub trait Mask: Copy {
     const LANES: usize;
     fn all(self) -> bool;
     fn lane(self, lane: usize) -> bool;
+    #[must_use]
     fn and(self, other: Self) -> Self;
+    #[must_use]
     fn or(self, other: Self) -> Self;
 }
 
@@ -120,7 +129,9 @@ pub trait Ticks: Copy + Send + Sync {
     /// A whole number that f64 holds.
     fn splat(ticks: f64) -> Self;
     /// `self - other`, which must not be negative.
+    #[must_use]
     fn minus(self, other: Self) -> Self;
+    #[must_use]
     fn least(self, other: Self) -> Self;
     /// Whether every lane is 0.
     fn all_zero(self) -> bool;
@@ -150,7 +161,7 @@ impl Mask for bool {
 /// Ticks in a period of clocks beside an f32: as many as a 32-bit integer holds with room to spare.
 pub const SHORT_PERIOD_TICKS: f64 = (1u64 << 28) as f64;
 
-/// Ticks in a period of clocks that an f64 holds: with room to be rounded to whole numbers by adding [`ROUNDING`].
+/// Ticks in a period of clocks that an f64 holds: with room to be rounded to whole numbers by adding `ROUNDING`.
 pub const LONG_PERIOD_TICKS: f64 = (1u64 << 50) as f64;
 
 /// An f64 of up to a half of this is rounded to the nearest whole number as it is added and taken away again.

@@ -18,11 +18,15 @@ pub const TEMPLATE: &str = include_str!("template.toml");
 /// A machine as far as it is written down. [`Description::complete`] makes it a [`Machine`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Description {
+    /// In SI units. With [`SiQuantity::Length`] among them, extensive ones are of the whole part, else per metre of contact length.
     pub values: BTreeMap<SiQuantity, f64>,
     /// Gives the constants that `values` leaves out, and the limits.
     pub material: Option<&'static Material>,
+    /// T0 in K; 293.15 if left out.
     pub ambient_temperature: Option<f64>,
+    /// In K; if left out, that of the material.
     pub melting_point: Option<f64>,
+    /// In Pa; if left out, that of the material.
     pub yield_strength: Option<f64>,
 }
 

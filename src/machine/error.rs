@@ -4,7 +4,9 @@ use super::SiQuantity;
 use super::materials::MATERIALS;
 use crate::parameters::ParameterError;
 
+/// Why something is no machine.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages tell what each is")]
 pub enum MachineError {
     #[error(
         "the machine lacks {}; `tribochaos machine --template` prints a complete file{}",

@@ -17,6 +17,7 @@ pub struct Material {
     pub melting_point: f64,
     /// Yield strength in Pa; where a material has none, its tensile strength.
     pub yield_strength: f64,
+    /// The books and data sheets that the values are from.
     pub source: &'static str,
 }
 

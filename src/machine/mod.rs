@@ -76,15 +76,21 @@ pub struct Scales {
 /// A scale by its kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
+    /// t*, which leads from tau to time.
     Time,
+    /// T*, which leads from theta to the temperature above T0.
     Temperature,
+    /// P*, which leads from p to the contact pressure.
     Pressure,
+    /// U*, which leads from u_w to the depth of wear.
     Length,
 }
 
 impl Scale {
+    /// Every kind. V* is none of them: no quantity of a map is a speed in SI units.
     pub const ALL: [Self; 4] = [Self::Time, Self::Temperature, Self::Pressure, Self::Length];
 
+    /// The unit of what the scale leads to.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Time => "s",
@@ -106,6 +112,7 @@ impl Scale {
 }
 
 impl Scales {
+    /// In the unit that [`Scale::unit`] tells.
     pub fn of(&self, scale: Scale) -> f64 {
         match scale {
             Scale::Time => self.time,
@@ -147,10 +154,12 @@ impl Machine {
             .filter(move |quantity| is_whole || *quantity != SiQuantity::Length)
     }
 
+    /// The material by whose name the machine was described, if any.
     pub fn material(&self) -> Option<&'static Material> {
         self.material
     }
 
+    /// What [`Machine::beyond`] compares results with.
     pub fn limits(&self) -> &Limits {
         &self.limits
     }
@@ -211,6 +220,7 @@ impl Machine {
     ///
     /// # Errors
     /// As [`Machine::check`].
+    #[expect(clippy::missing_panics_doc, reason = "something governs every group")]
     pub fn check_groups(&self) -> Result<(), MachineError> {
         let radii = [
             SiQuantity::Interference,

@@ -117,6 +117,7 @@ fn density(machine: &Machine) -> f64 {
 
 /// A limit of the material or of the model that is passed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs, reason = "each has what is reached and the limit that it passes")]
 pub enum Beyond {
     /// The surface is hotter than this, in K.
     Melting { reached: f64, limit: f64 },
@@ -127,6 +128,7 @@ pub enum Beyond {
 }
 
 impl Beyond {
+    /// The name in data.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Melting { .. } => "melting",

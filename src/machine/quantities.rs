@@ -6,6 +6,7 @@ use std::fmt;
 
 /// A quantity of the machine in SI units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[allow(missing_docs, reason = "the rows of the table tell what each is")]
 pub enum SiQuantity {
     ShaftRadius,
     BushRadius,
@@ -37,6 +38,7 @@ pub enum SiQuantity {
 /// What the table says of one quantity.
 #[derive(Clone, Copy, Debug)]
 pub struct SiQuantityInfo {
+    /// Whose row this is.
     pub quantity: SiQuantity,
     /// The name used in commands, files and data.
     pub name: &'static str,
@@ -54,6 +56,7 @@ pub struct SiQuantityInfo {
     pub usual: (f64, f64),
     /// Where the quantity enters: equation of Awrejcewicz and Pyryev (2006).
     pub source: &'static str,
+    /// What it is, in a few words.
     pub meaning: &'static str,
 }
 
@@ -136,6 +139,7 @@ quantity_table! {
 }
 
 impl SiQuantity {
+    /// Number of quantities.
     pub const COUNT: usize = SI_QUANTITIES.len();
 
     /// The quantity's row of the table.
@@ -143,6 +147,7 @@ impl SiQuantity {
         &SI_QUANTITIES[self as usize]
     }
 
+    /// The name used in commands, files and data.
     pub fn name(self) -> &'static str {
         self.info().name
     }

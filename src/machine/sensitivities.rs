@@ -23,7 +23,9 @@ pub struct Sensitivities {
 pub struct Group {
     /// A parameter's name; `k_star` and those of the scales else.
     pub name: &'static str,
+    /// The symbol used in tables.
     pub symbol: &'static str,
+    /// What it is for the machine: a dimensionless parameter, or a scale or k* in SI units.
     pub value: f64,
 }
 

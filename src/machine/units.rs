@@ -6,6 +6,7 @@ const PREFIXES: [&str; 9] = ["p", "n", "µ", "m", "", "k", "M", "G", "T"];
 /// A unit with a prefix, and what a value in the plain unit is multiplied with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unit {
+    /// 1000 for a prefix milli.
     pub factor: f64,
     /// Empty for pure numbers.
     pub name: String,

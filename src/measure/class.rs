@@ -8,9 +8,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Class {
+    /// Neighbouring orbits part exponentially.
     Chaotic,
+    /// Settles on a cycle, or comes to rest.
     Regular,
+    /// Stays on a torus: neighbouring orbits neither part nor meet.
     QuasiPeriodic,
+    /// The errors of the exponent leave open which of them it is.
     Undecided,
     /// On a cycle, or at rest, where it stays although disturbances grow: no attractor.
     Unstable,
@@ -41,6 +45,7 @@ pub struct Cycle {
 }
 
 impl Class {
+    /// In the order of their codes in stores.
     pub const ALL: [Self; 5] = [
         Self::Chaotic,
         Self::Regular,

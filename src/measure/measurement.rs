@@ -8,6 +8,7 @@ use crate::backend::{BackendKind, Contact};
 /// How the integration of an instance ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Status {
+    /// Integrated to the end, or until the motion had shown what it is.
     Ok,
     /// The state became non-finite, or left |x| + |y| < [`RUNAWAY_BOUND`](crate::model::motion::RUNAWAY_BOUND), or the thermal pressure reached
     /// [`PRESSURE_BOUND`](crate::dynamics::adaptive::PRESSURE_BOUND).
@@ -29,7 +30,7 @@ pub const DEFECT_FLOOR: f64 = 1e-3;
 /// A scheme's share in an error is not worth a word below this, per unit of tau.
 const SCHEME_FLOOR: f64 = 1e-3;
 
-/// Whether most of an exponent's error is the scheme's, and more than [`SCHEME_FLOOR`].
+/// Whether most of an exponent's error is the scheme's, and more than `SCHEME_FLOOR`.
 pub fn is_scheme_to_blame(scheme_error: f64, error: f64) -> bool {
     scheme_error > SCHEME_FLOOR.max(0.5 * error)
 }
@@ -57,6 +58,7 @@ impl Status {
 /// contact's where it is under-resolved.
 #[derive(Clone, Copy, Debug)]
 pub struct Measurement {
+    /// Tells which of the numbers apply.
     pub status: Status,
     /// None unless the status is ok and the motion lasts: where the contact wears, all motion is transient.
     pub class: Option<Class>,
@@ -85,9 +87,11 @@ pub struct Measurement {
     pub period: Option<u32>,
     /// Last stroboscopic state, at drive phase 0.
     pub x: f64,
+    /// The angular speed of the same state, whose angle is `x`.
     pub y: f64,
     /// Extremes of x over the measured periods.
     pub x_min: f64,
+    /// The greatest of them; `x_min` is the least.
     pub x_max: f64,
     /// Fraction of the initial states whose motion is chaotic.
     pub chaotic_fraction: f64,
@@ -95,7 +99,9 @@ pub struct Measurement {
     pub attractors: u32,
     /// Fraction of the initial states whose motion is bounded but has settled on no attractor.
     pub unsettled_fraction: f64,
+    /// Contact pressure, wear and temperature over the run, and whether contact is lost.
     pub contact: Contact,
+    /// Where the orbit was integrated.
     pub backend: BackendKind,
     /// Where the orbit began: (x0, y0).
     pub initial_state: [f64; 2],

@@ -11,6 +11,7 @@ use crate::machine::Scale;
 /// A quantity that a map holds for every point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[allow(missing_docs, reason = "the rows of the table tell what each is")]
 pub enum Quantity {
     Lyapunov,
     LyapunovError,
@@ -52,11 +53,15 @@ pub enum Values {
 /// What the table says of one quantity.
 #[derive(Clone, Copy, Debug)]
 pub struct QuantityInfo {
+    /// Whose row this is.
     pub quantity: Quantity,
+    /// The name used in commands, files and data.
     pub name: &'static str,
     /// For axes and colour bars.
     pub label: &'static str,
+    /// `tau`, `1/tau`, or `1` for a pure number: all are dimensionless.
     pub units: &'static str,
+    /// Whether values are numbers or codes of names.
     pub values: Values,
 }
 
@@ -99,6 +104,7 @@ quantity_table! {
 }
 
 impl Quantity {
+    /// Number of quantities.
     pub const COUNT: usize = QUANTITIES.len();
 
     /// What leads from the quantity to one in SI units, of quantities that a machine gives a dimension.

@@ -80,10 +80,15 @@ impl<R: Real> Friction<R> {
 /// `scale * F(v) = a_0 + a_1 v + a_2 v^2 + cubic v^3` for `lower <= v <= upper`.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece<R> {
+    /// Constant coefficient.
     pub a_0: R,
+    /// Coefficient of v.
     pub a_1: R,
+    /// Coefficient of v^2.
     pub a_2: R,
+    /// Least v of the piece; -[`NO_BOUNDARY`] on the first.
     pub lower: R,
+    /// Greatest v of the piece; [`NO_BOUNDARY`] on the last.
     pub upper: R,
 }
 

@@ -25,6 +25,7 @@ pub struct Motion<R> {
 /// The acceleration and its derivatives at one state.
 #[derive(Clone, Copy, Debug)]
 pub struct Linearised<R> {
+    /// x'' = x - b x^3 + eps F(v) - eps h1 y.
     pub acceleration: R,
     /// d(acceleration)/dx = 1 - 3 b x^2.
     pub by_x: R,

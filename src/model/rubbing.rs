@@ -27,12 +27,15 @@ pub const NO_LAYER: f64 = 1e30;
 pub struct Rubbing<R> {
     minus_b: R,
     minus_three_b: R,
+    /// Mean speed of the shaft.
     pub omega_k: R,
+    /// Amplitude of the shaft's speed.
     pub zeta_k: R,
     /// Strength eps of the friction in the equation of motion.
     pub epsilon: R,
     /// eps h1.
     pub damping: R,
+    /// Wear coefficient.
     pub k_w: R,
     /// 2 gamma.
     pub two_gamma: R,
@@ -46,6 +49,7 @@ pub struct Rubbing<R> {
 }
 
 impl<R: Real> Rubbing<R> {
+    /// The system with the parameters that `value` gives.
     pub fn new(value: impl Fn(Parameter) -> R) -> Self {
         use Parameter::{Alpha, B, Beta, Epsilon, Epsilon0, F0, Gamma, H1, KW, OmegaK, RampRate, ZetaK};
         let epsilon = value(Epsilon);

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use super::PROGRAM;
 use super::whole::{WriteError, write_whole};
+use crate::design::Coordinate;
 use crate::map::{ParameterMap, border};
 
 /// What stands above the lines of an experiment in the comments of a table.
@@ -23,7 +24,7 @@ pub fn experiment_in(table: &str) -> Option<String> {
     let comments = table.lines().map_while(|line| line.strip_prefix("# "));
     let mut toml = comments.skip_while(|&comment| comment != HEADING);
     toml.next()?;
-    Some(toml.map(|line| format!("{line}\n")).collect())
+    Some(toml.flat_map(|line| [line, "\n"]).collect())
 }
 
 /// Writes a table: comments, the names of the columns, and rows of values. A value that is not finite is left empty.
@@ -78,7 +79,7 @@ pub fn write_rows(
 /// [`WriteError`] if the file cannot be written.
 pub fn write_border(path: &Path, map: &ParameterMap) -> Result<(), WriteError> {
     let coordinates = [map.x_axis().coordinate, map.y_axis().coordinate];
-    let [x, y] = coordinates.map(|coordinate| coordinate.name());
+    let [x, y] = coordinates.map(Coordinate::name);
     let [x_words, y_words] = coordinates.map(|coordinate| {
         let unit = match map.experiment.design.fixed.unit(coordinate) {
             "1" => "dimensionless".to_owned(),

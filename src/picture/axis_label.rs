@@ -10,7 +10,9 @@ use crate::machine::units::Unit;
 /// The words of an axis, and what its values are multiplied with to be in the unit that the words tell.
 #[derive(Clone, Debug)]
 pub struct AxisLabel {
+    /// Meaning, symbol and unit.
     pub words: String,
+    /// 1000 where the unit has a prefix milli.
     pub factor: f64,
 }
 

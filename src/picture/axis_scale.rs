@@ -11,8 +11,11 @@ pub(super) const TICK_SIZE: f64 = 15.0;
 /// One axis: its words and its ends.
 #[derive(Clone, Debug)]
 pub struct AxisScale {
+    /// Words beside the axis.
     pub label: String,
+    /// Value at the left or lower end.
     pub low: f64,
+    /// Value at the right or upper end.
     pub high: f64,
     /// Whether ticks have no numbers and the axis no words: a panel below has the same scale.
     pub is_bare: bool,
@@ -25,6 +28,7 @@ pub struct AxisScale {
 }
 
 impl AxisScale {
+    /// A linear scale with ticks.
     pub fn new(label: &str, low: f64, high: f64) -> Self {
         Self {
             label: label.to_owned(),
@@ -92,10 +96,10 @@ impl AxisScale {
             ticks.len() as f64 * (widest + 22.0) <= length + widest
         };
         if !self.listed.is_empty() {
-            return thinned(self.listed.clone(), fits);
+            return thinned(&self.listed, fits);
         }
         if self.is_logarithmic {
-            return thinned(decades(self.low, self.high), fits);
+            return thinned(&decades(self.low, self.high), fits);
         }
         (2..=(length / 60.0) as usize)
             .rev()

@@ -23,6 +23,7 @@ const TWO_SIDED_LIGHTNESS: (f32, f32) = (0.97, 0.42);
 const SEQUENTIAL_LIGHTNESS: (f32, f32) = (0.94, 0.30);
 
 impl ColourScale {
+    /// All pairs, the default first.
     pub const ALL: [Self; 2] = [Self::BlueRed, Self::PurpleGreen];
 
     /// The name by which users choose it.
@@ -33,6 +34,7 @@ impl ColourScale {
         }
     }
 
+    /// Finds a pair by what [`ColourScale::name`] gives.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|scale| scale.name() == name)
     }
@@ -74,9 +76,13 @@ fn oklch(lightness: f32, chroma: f32, hue: f32) -> Rgb {
 }
 
 // Colours of kinds: far apart from each other, and for most pairs also for readers who do not tell red from green.
+/// Grey.
 pub const UNDECIDED: Rgb = [0x8c, 0x8c, 0x8c];
+/// Yellow.
 pub const QUASI_PERIODIC: Rgb = [0xff, 0xe9, 0x3b];
+/// Brown.
 pub const UNSTABLE: Rgb = [0x6b, 0x3e, 0x12];
+/// Black.
 pub const RUNAWAY: Rgb = [0, 0, 0];
 /// Magenta: a defect of the computation, to be seen at once.
 pub const UNDER_RESOLVED: Rgb = [0xd6, 0x00, 0xb4];

@@ -59,6 +59,7 @@ impl Density {
         self.hits.iter().filter(|&&hits| hits > 0).count()
     }
 
+    /// Hits of the cell that has the most; 0 if none was hit.
     pub fn most(&self) -> u32 {
         self.hits.iter().copied().max().unwrap_or(0)
     }
@@ -90,13 +91,13 @@ impl Density {
 
     /// The colour bar to the right of a panel; `id` tells its gradient from others in the document.
     pub(super) fn draw_bar(&self, svg: &mut String, [left, top, height]: [f64; 3], size: f64, id: usize) {
+        const STOPS: u32 = 32;
         let (left, bar_width) = (left + 20.0, 16.0);
         let most = f64::from(self.most().max(10));
         let _ = write!(
             svg,
             "<linearGradient id=\"hits{id}\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">"
         );
-        const STOPS: u32 = 32;
         for stop in 0..=STOPS {
             let t = f64::from(stop) / f64::from(STOPS);
             let colour = hex(self.colour(most.powf(t)));

@@ -1,6 +1,8 @@
 //! What can be wrong with a picture.
 
+/// Why there is no picture.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages tell what each is")]
 pub enum PictureError {
     #[error(
         "a map of {columns} x {rows} points is too large for a picture (at most {most} points along an axis and \

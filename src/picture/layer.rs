@@ -16,13 +16,16 @@ pub(super) const SWATCH: f64 = 30.0;
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
+    /// The same in the legend.
     pub colour: Rgb,
     /// In pixels.
     pub width: f64,
+    /// Whether it has gaps; thick lines have long ones.
     pub is_dashed: bool,
 }
 
 impl Stroke {
+    /// A line without gaps, `width` pixels wide.
     pub fn solid(colour: Rgb, width: f64) -> Self {
         Self {
             colour,
@@ -31,6 +34,7 @@ impl Stroke {
         }
     }
 
+    /// A line with gaps, `width` pixels wide.
     pub fn dashed(colour: Rgb, width: f64) -> Self {
         Self {
             colour,
@@ -53,8 +57,13 @@ impl Stroke {
     }
 }
 
-/// What lies within a frame; layers are drawn in their order. A name appears in the legend; an empty one does not.
+/// What lies within a frame; layers are drawn in their order. A name appears in the legend; an empty one does not. Points
+/// are [x, y] in values of the axes.
 #[derive(Clone, Debug)]
+#[allow(
+    missing_docs,
+    reason = "what is said of the type and of its variants covers their fields"
+)]
 pub enum Layer {
     /// A line through points; NaN parts its pieces.
     Curve {

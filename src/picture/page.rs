@@ -11,8 +11,11 @@ use super::text;
 /// What is drawn on white. Its SVG names the font DejaVu Sans, which [`Page::render`] brings along.
 #[derive(Clone, Debug)]
 pub struct Page {
+    /// A whole document.
     pub svg: String,
+    /// In pixels.
     pub width: u32,
+    /// In pixels.
     pub height: u32,
 }
 

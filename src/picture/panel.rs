@@ -14,9 +14,13 @@ use super::text::{widest, width, wrap};
 /// A frame with axes and what lies within.
 #[derive(Clone, Debug)]
 pub struct Panel {
+    /// Words above the frame; empty for none.
     pub title: String,
+    /// The axis below the frame.
     pub x: AxisScale,
+    /// The axis to the left of the frame.
     pub y: AxisScale,
+    /// In the order in which they are drawn.
     pub layers: Vec<Layer>,
     /// Why there are no values, if there are none.
     pub nothing: String,

@@ -6,6 +6,7 @@ use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
+use ::png::text_metadata::ITXtChunk;
 use ::png::{BitDepth, ColorType, DecodeOptions, Decoder, DecodingError, Encoder, SrgbRenderingIntent};
 
 use super::error::PictureError;
@@ -84,10 +85,12 @@ fn read_text(path: &Path) -> Result<Option<String>, PngError> {
     reader.finish().map_err(damaged)?;
     let chunks = &reader.info().utf8_text;
     let chunk = chunks.iter().find(|chunk| chunk.keyword == EXPERIMENT_KEYWORD);
-    chunk.map(|chunk| chunk.get_text()).transpose().map_err(damaged)
+    chunk.map(ITXtChunk::get_text).transpose().map_err(damaged)
 }
 
+/// Why a picture cannot be written or read.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages tell what each is")]
 pub enum PngError {
     #[error(transparent)]
     Picture(#[from] PictureError),

@@ -10,7 +10,9 @@ use super::svg::paragraphs;
 /// Panels in rows of `columns`, their frames all of one size.
 #[derive(Clone, Debug)]
 pub struct Sheet {
+    /// Row by row.
     pub panels: Vec<Panel>,
+    /// Panels in a row.
     pub columns: usize,
     /// Width and height of a frame in pixels.
     pub frame: [u32; 2],

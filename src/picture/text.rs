@@ -4,6 +4,7 @@
 //!
 //! `k_w` and `x_{max}` are written with a subscript wherever a figure has text. Other underscores stay as they are.
 
+use std::fmt::Write as _;
 use std::sync::{Arc, LazyLock};
 
 use resvg::usvg::{self, fontdb};
@@ -81,7 +82,8 @@ pub fn marked_up(text: &str, size: f64) -> String {
         let is_lowered = rest.len() < text.len();
         svg += &plain_run(before, drop, is_lowered);
         let small = SUBSCRIPT_SIZE * size;
-        svg += &format!(
+        let _ = write!(
+            svg,
             "<tspan dy=\"{drop:.2}\" font-size=\"{small:.2}\">{}</tspan>",
             escape(subscript)
         );

@@ -64,7 +64,7 @@ pub fn decades(low: f64, high: f64) -> Vec<Tick> {
 }
 
 /// Every second, third ... of the ticks, the first among them, so that they fit.
-pub fn thinned(ticks: Vec<Tick>, fits: impl Fn(&[Tick]) -> bool) -> Vec<Tick> {
+pub fn thinned(ticks: &[Tick], fits: impl Fn(&[Tick]) -> bool) -> Vec<Tick> {
     let every = |stride: usize| -> Vec<Tick> { ticks.iter().step_by(stride).cloned().collect() };
     (1..ticks.len())
         .map(every)
@@ -96,10 +96,10 @@ fn label(value: f64, step: f64, largest: f64) -> String {
     let exponent = largest.log10().floor() as i32;
     let digits = |step: f64| (-(step.log10() + 1e-9).floor()).max(0.0) as usize;
     if value == 0.0 || is_plain(exponent) {
-        return with_minus(format!("{value:.*}", digits(step)));
+        return with_minus(&format!("{value:.*}", digits(step)));
     }
     let power = 10f64.powi(exponent);
-    let mantissa = with_minus(format!("{:.*}", digits(step / power), value / power));
+    let mantissa = with_minus(&format!("{:.*}", digits(step / power), value / power));
     format!("{mantissa}×10{}", superscript(exponent))
 }
 
@@ -116,7 +116,7 @@ pub fn number(value: f64) -> String {
         value.abs().log10().floor() as i32
     };
     if is_plain(exponent) || !value.is_finite() {
-        return with_minus(value.to_string());
+        return with_minus(&value.to_string());
     }
     let text = format!("{value:e}");
     let (mantissa, exponent) = text.split_once('e').expect("the format writes an exponent");
@@ -124,7 +124,7 @@ pub fn number(value: f64) -> String {
         "10{}",
         superscript(exponent.parse().expect("the format writes a number"))
     );
-    let mantissa = with_minus(mantissa.to_owned());
+    let mantissa = with_minus(mantissa);
     if mantissa == "1" {
         power
     } else {
@@ -137,7 +137,7 @@ fn is_plain(exponent: i32) -> bool {
     (-4..6).contains(&exponent)
 }
 
-fn with_minus(text: String) -> String {
+fn with_minus(text: &str) -> String {
     let is_zero = text.chars().all(|character| "-0.".contains(character));
     text.replace('-', if is_zero { "" } else { "\u{2212}" })
 }
@@ -183,7 +183,7 @@ mod tests {
         let all = ticks(0.0, 10.0, 10);
         let labels = |most: usize| -> Vec<String> {
             let fits = |ticks: &[Tick]| ticks.len() <= most;
-            thinned(all.clone(), fits).into_iter().map(|tick| tick.label).collect()
+            thinned(&all, fits).into_iter().map(|tick| tick.label).collect()
         };
         assert_eq!(labels(11).len(), 11);
         assert_eq!(labels(6), ["0", "2", "4", "6", "8", "10"]);

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use super::layout::FORMAT_VERSION;
 use crate::output::PROGRAM;
 
+/// Why a store cannot be created, opened, read or written.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages tell what each is")]
 pub enum StoreError {
     #[error("{} exists already: resume it, remove it, or choose another name", path.display())]
     Exists { path: PathBuf },

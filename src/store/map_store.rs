@@ -99,6 +99,10 @@ impl MapStore {
     ///
     /// # Errors
     /// [`StoreError::Missing`], [`StoreError::Foreign`], [`StoreError::Version`] or [`StoreError::Damaged`].
+    #[expect(
+        clippy::missing_panics_doc,
+        reason = "there are quantities, and each has a tile shape by then"
+    )]
     pub fn open(path: &Path) -> Result<Self, StoreError> {
         if !path.is_dir() {
             return Err(StoreError::Missing { path: path.to_owned() });
@@ -184,10 +188,12 @@ impl MapStore {
         })
     }
 
+    /// The folder that holds the store.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
+    /// What the map is computed for, as the store has it.
     pub fn experiment(&self) -> &Experiment {
         &self.experiment
     }
@@ -206,6 +212,7 @@ impl MapStore {
         self.write_group()
     }
 
+    /// What [`MapStore::set_attribute`] set, by this process or an earlier one.
     pub fn attribute(&self, name: &str) -> Option<&Value> {
         self.group.attributes().get(name)
     }

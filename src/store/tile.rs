@@ -5,9 +5,13 @@
 /// A rectangle of grid points that is written at once, in rows and columns of the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tile {
+    /// First row: an index along the vertical axis.
     pub row0: usize,
+    /// Number of rows.
     pub rows: usize,
+    /// First column: an index along the horizontal axis.
     pub col0: usize,
+    /// Number of columns.
     pub cols: usize,
 }
 
@@ -17,6 +21,7 @@ impl Tile {
         self.rows * self.cols
     }
 
+    /// Whether there is no point.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -72,6 +77,6 @@ mod tests {
         let tiles = (0..count(map, shape)).map(|index| tile(map, shape, index));
         let mut all: Vec<usize> = tiles.flat_map(|tile| tile.indices(7)).collect();
         all.sort_unstable();
-        assert_eq!(all, Vec::from_iter(0..35));
+        assert_eq!(all, (0..35).collect::<Vec<_>>());
     }
 }

@@ -2,6 +2,8 @@
 //!
 //! Owns which tiles count as finished, and what a finished one must hold; neither creates a store nor opens one.
 
+use std::fmt::Display;
+
 use super::error::StoreError;
 use super::layout::{NO_CODE, axes};
 use super::map_store::MapStore;
@@ -84,7 +86,7 @@ impl MapStore {
     pub fn is_finished(&self, tile: &Tile) -> Result<bool, StoreError> {
         match self.arrays[Quantity::Status as usize].retrieve_chunk::<Vec<u8>>(&self.chunk(tile)) {
             Ok(chunk) => Ok(self.unpadded(tile, &chunk).all(|code| code != NO_CODE)),
-            Err(zarrs::array::ArrayError::StorageError(error)) => Err(self.damaged(Quantity::Status, tile, error)),
+            Err(zarrs::array::ArrayError::StorageError(error)) => Err(self.damaged(Quantity::Status, tile, &error)),
             // A write that was cut short leaves a chunk that cannot be decoded: the tile is to be computed again.
             Err(_) => Ok(false),
         }
@@ -94,6 +96,7 @@ impl MapStore {
     ///
     /// # Errors
     /// [`StoreError::Damaged`] if values of a finished tile cannot be read.
+    #[expect(clippy::missing_panics_doc, reason = "a store has two axes")]
     pub fn read_map(&self) -> Result<ParameterMap, StoreError> {
         let mut map = ParameterMap::new(self.experiment.clone()).expect("a store has two axes");
         let columns = map.x_axis().count();
@@ -125,7 +128,7 @@ impl MapStore {
                 .chain(NEVER_NAN_REDUCED.into_iter().filter(|_| reduced))
                 .chain(NEVER_NAN_LASTING.into_iter().filter(|_| !self.experiment.wears()));
             if let Some(quantity) = numbers.find(|quantity| lost(*quantity)) {
-                return Err(self.damaged(quantity, &tile, "values of finished points are missing"));
+                return Err(self.damaged(quantity, &tile, &"values of finished points are missing"));
             }
         }
         Ok(map)
@@ -137,18 +140,18 @@ impl MapStore {
             Values::Number => {
                 let values: Vec<f64> = array
                     .retrieve_chunk(&chunk)
-                    .map_err(|error| self.damaged(info.quantity, tile, error))?;
+                    .map_err(|error| self.damaged(info.quantity, tile, &error))?;
                 Ok(self.unpadded(tile, &values).collect())
             }
             Values::Code(names) => {
                 let codes: Vec<u8> = array
                     .retrieve_chunk(&chunk)
-                    .map_err(|error| self.damaged(info.quantity, tile, error))?;
+                    .map_err(|error| self.damaged(info.quantity, tile, &error))?;
                 self.unpadded(tile, &codes)
                     .map(|code| match code {
                         NO_CODE => Ok(f64::NAN),
                         code if usize::from(code) < names.len() => Ok(code.into()),
-                        code => Err(self.damaged(info.quantity, tile, format!("{code} is no code"))),
+                        code => Err(self.damaged(info.quantity, tile, &format!("{code} is no code"))),
                     })
                     .collect()
             }
@@ -181,9 +184,9 @@ impl MapStore {
         .indices(self.tile[1])
     }
 
-    fn damaged(&self, quantity: Quantity, tile: &Tile, reason: impl ToString) -> StoreError {
+    fn damaged(&self, quantity: Quantity, tile: &Tile, reason: &dyn Display) -> StoreError {
         let (name, [row, col]) = (quantity.info().name, self.chunk(tile));
-        let what = format!("the array `{name}`, chunk c/{row}/{col}: {}", reason.to_string());
+        let what = format!("the array `{name}`, chunk c/{row}/{col}: {reason}");
         StoreError::Damaged {
             path: self.path.clone(),
             what,

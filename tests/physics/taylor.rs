@@ -155,6 +155,24 @@ fn what_is_too_stiff_is_left_to_radau() {
 
 #[test]
 fn vectors_are_the_derivative_of_the_series() {
+    fn local<R: tribochaos::lanes::Real>(c: &[f64; 9], x: R, w: R, shaft: f64) -> Local<R> {
+        let [linear, minus_b, minus_damping, a_0, a_1, a_2, cubic, drive, drive_slope] = c.map(R::splat);
+        Local {
+            linear,
+            minus_b,
+            minus_damping,
+            a_0,
+            a_1,
+            a_2,
+            cubic,
+            drive,
+            drive_slope,
+            x,
+            w,
+            v: R::splat(shaft) - w,
+        }
+    }
+
     let mut random = Random::new(11);
     for _ in 0..1000 {
         let mut parameter = |low, high| random.uniform(low, high);
@@ -175,23 +193,6 @@ fn vectors_are_the_derivative_of_the_series() {
             x: parameter(-1.0, 1.0),
             y: parameter(-1.0, 1.0),
         };
-        fn local<R: tribochaos::lanes::Real>(c: &[f64; 9], x: R, w: R, shaft: f64) -> Local<R> {
-            let [linear, minus_b, minus_damping, a_0, a_1, a_2, cubic, drive, drive_slope] = c.map(R::splat);
-            Local {
-                linear,
-                minus_b,
-                minus_damping,
-                a_0,
-                a_1,
-                a_2,
-                cubic,
-                drive,
-                drive_slope,
-                x,
-                w,
-                v: R::splat(shaft) - w,
-            }
-        }
         let series = Series::<f64, 9>::new(&local(&constants, x, w, shaft));
         let end = series.vector_at(start, s);
         let dual = |value, slope| Dual {

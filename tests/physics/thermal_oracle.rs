@@ -278,7 +278,7 @@ pub fn finite_volume(case: &Case, end: f64, h: f64, rings: usize) -> History {
     let mut unclamped = [0.0, case.fit(0.0)];
     let mut history = History::default();
     for n in 0.. {
-        let tau = n as f64 * h;
+        let tau = f64::from(n) * h;
         let [x, y, wear] = state;
         unclamped = [unclamped[1], case.fit(tau) - wear + 2.0 * shaft.heat()];
         let pressure = unclamped[1].max(0.0);
@@ -504,7 +504,7 @@ fn heat_put_in_is_stored_or_lost() {
             }
             // what the pressure shows of the stored heat
             let end = run.samples.last().unwrap();
-            let stored = (end.pressure - case.fit(end.tau) + end.wear) / 2.0;
+            let stored = f64::midpoint(end.pressure - case.fit(end.tau), end.wear);
             let off = (put_in - stored - lost) / put_in;
             println!("{put_in} = {stored} + {lost}, off {off:.1e}");
             assert!(off.abs() < tolerance);

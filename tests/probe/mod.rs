@@ -31,6 +31,7 @@ pub fn evaluate<const I: usize, const O: usize>(
     lanes: usize,
     samples: &[[f32; I]],
 ) -> Vec<[f32; O]> {
+    use wgpu::BufferUsages as Usage;
     assert!(samples.len().is_multiple_of(64 * lanes));
     let by_lanes: Vec<f32> = samples
         .chunks(lanes)
@@ -60,7 +61,6 @@ pub fn evaluate<const I: usize, const O: usize>(
             mapped_at_creation: false,
         })
     };
-    use wgpu::BufferUsages as Usage;
     let size = (samples.len() * size_of::<[f32; O]>()) as u64;
     let input = buffer(size_of_val(samples) as u64, Usage::STORAGE | Usage::COPY_DST);
     let output = buffer(size, Usage::STORAGE | Usage::COPY_SRC);
@@ -80,8 +80,8 @@ pub fn evaluate<const I: usize, const O: usize>(
             },
         ],
     });
-    let mut encoder = device.create_command_encoder(&Default::default());
-    let mut pass = encoder.begin_compute_pass(&Default::default());
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
     pass.set_pipeline(&pipeline);
     pass.set_bind_group(0, &bindings, &[]);
     pass.dispatch_workgroups((samples.len() / (64 * lanes)) as u32, 1, 1);

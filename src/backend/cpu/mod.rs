@@ -237,6 +237,7 @@ trait Block: Send + Sync + Sized {
 }
 
 /// The blocks of a batch, in lanes of the instructions `I`.
+#[expect(clippy::struct_field_names, reason = "what it is made of gives it its name")]
 struct Blocks<I, B: Block> {
     run: Held<I, B::Run>,
     blocks: Vec<Held<I, B>>,

@@ -88,8 +88,10 @@ impl GpuBatch {
     ) -> Result<Duration, BackendError> {
         let started = Instant::now();
         self.buffers.write(context, SPAN, &[span]);
-        let mut encoder = context.device().create_command_encoder(&Default::default());
-        let mut pass = encoder.begin_compute_pass(&Default::default());
+        let mut encoder = context
+            .device()
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, self.buffers.group(), &[]);
         pass.dispatch_workgroups(span.instances.div_ceil(self.load.workgroup_instances), 1, 1);

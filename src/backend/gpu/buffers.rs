@@ -11,6 +11,7 @@ use crate::backend::BackendError;
 use crate::experiment::Settings;
 
 /// The buffers that a model's kernels are bound to, and one by way of which the host reads them.
+#[expect(clippy::struct_field_names, reason = "what it is made of gives it its name")]
 pub(super) struct Buffers {
     bindings: &'static [Binding],
     /// In the order of the bindings.
@@ -91,7 +92,9 @@ impl Buffers {
 
     /// Sets buffers to zero.
     pub fn clear(&self, context: &GpuContext, numbers: &[u32]) {
-        let mut encoder = context.device().create_command_encoder(&Default::default());
+        let mut encoder = context
+            .device()
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for &number in numbers {
             encoder.clear_buffer(self.buffer(number), 0, None);
         }
@@ -122,7 +125,9 @@ impl Buffers {
             return Ok(Vec::new());
         }
         let (buffer, size) = (self.buffer(number), (count * size_of::<T>()) as u64);
-        let mut encoder = context.device().create_command_encoder(&Default::default());
+        let mut encoder = context
+            .device()
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(buffer, 0, &self.staging, 0, size);
         after(&mut encoder, buffer);
         context.queue().submit([encoder.finish()]);

@@ -16,7 +16,7 @@ use crate::backend::BackendError;
 const WORKGROUP_SIZE: u32 = 64;
 
 /// A device that has not answered for so long is taken for lost. Dispatches last a tenth of a second.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_mins(1);
 
 /// An open GPU, and how kernels are to be compiled for it.
 pub struct GpuContext {

@@ -97,7 +97,7 @@ impl<R: Real> Orbit<R> {
 
         if let Some(tangent) = tangent {
             let alive = peaks.lost[0].less(zero).or(zero.less(system.lasts));
-            self.carry(
+            Self::carry(
                 system,
                 &start,
                 &trial,

@@ -120,7 +120,6 @@ impl<R: Real> Orbit<R> {
     #[allow(clippy::too_many_arguments, reason = "the parts of one pass")]
     #[inline(always)]
     pub(super) fn carry(
-        &self,
         system: &System<R>,
         start: &Start<R>,
         trial: &Trial<R>,

@@ -11,6 +11,7 @@ use crate::lanes::Real;
 pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> {
     fn constant(value: f64) -> Self;
     /// `self * factor + addend`, fused where that is fast.
+    #[must_use]
     fn fused(self, factor: Self, addend: Self) -> Self;
 }
 

@@ -181,8 +181,8 @@ fn given(body: &Body) -> SymbolSeries<'_> {
 }
 
 fn structure(name: &str, fields: impl Iterator<Item = String>) -> String {
-    let fields: String = fields.map(|field| format!("    {field}: Real,\n")).collect();
-    format!("struct {name} {{\n{fields}}}\n\n")
+    let fields: Vec<String> = fields.map(|field| format!("    {field}: Real,\n")).collect();
+    format!("struct {name} {{\n{}}}\n\n", fields.concat())
 }
 
 fn constants() -> String {
@@ -235,12 +235,13 @@ fn series_new() -> String {
         w: local(10),
         v: local(11),
     });
-    let fields: String = series_fields()
+    let fields: Vec<String> = series_fields()
         .map(|(name, n)| format!("        {},\n", part(&series, name)[n].text()))
         .collect();
     format!(
-        "fn series_new(local: Local) -> Series {{\n{}    return Series(\n{fields}    );\n}}\n\n",
-        body.text()
+        "fn series_new(local: Local) -> Series {{\n{}    return Series(\n{}    );\n}}\n\n",
+        body.text(),
+        fields.concat()
     )
 }
 
@@ -289,11 +290,11 @@ pub fn source() -> String {
     text += &structure("Series", series_fields().map(|(name, n)| format!("{name}_{n}")));
     text += &series_new();
     let body = Body::default;
-    text += &evaluation(&body(), "x_at", |series, s| series.x_at(s));
-    text += &evaluation(&body(), "w_at", |series, s| series.w_at(s));
-    text += &evaluation(&body(), "v_at", |series, s| series.v_at(s));
-    text += &evaluation(&body(), "v_slope_at", |series, s| series.v_slope_at(s));
-    text += &evaluation(&body(), "divergence_to", |series, s| series.divergence_to(s));
+    text += &evaluation(&body(), "x_at", Series::x_at);
+    text += &evaluation(&body(), "w_at", Series::w_at);
+    text += &evaluation(&body(), "v_at", Series::v_at);
+    text += &evaluation(&body(), "v_slope_at", Series::v_slope_at);
+    text += &evaluation(&body(), "divergence_to", Series::divergence_to);
     text += &vector_at();
     text += "\n";
     text += &rotated();

@@ -5,6 +5,7 @@
 //! the module above name the types.
 
 use std::arch::asm;
+#[expect(clippy::wildcard_imports, reason = "the names of intrinsics tell whose they are")]
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -39,6 +40,7 @@ macro_rules! x86_vector {
 
         // AVX-512 masks are plain integers, whose operations are safe
         #[allow(unused_unsafe)]
+        #[allow(clippy::cast_lossless, reason = "bits are of another type in every instruction set")]
         impl Mask for $mask {
             const LANES: usize = $lanes;
 

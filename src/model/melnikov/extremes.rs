@@ -20,9 +20,13 @@ const SECTIONS: u32 = 40;
 /// Least and greatest M over a drive period, and where: tau0 in 0..2 pi/omega_0.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Extremes {
+    /// Least M.
     pub minimum: f64,
+    /// tau0 of the least M.
     pub minimum_at: f64,
+    /// Greatest M.
     pub maximum: f64,
+    /// tau0 of the greatest M.
     pub maximum_at: f64,
 }
 

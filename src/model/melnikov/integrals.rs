@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 ///
 /// I112, I130 and I310 stand in for the paper's longer forms, which are misprinted.
 #[derive(Clone, Copy, Debug)]
+#[allow(missing_docs, reason = "a field's name holds its j, k and l")]
 pub struct Integrals {
     pub i200: f64,
     pub i400: f64,

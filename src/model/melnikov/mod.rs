@@ -17,6 +17,7 @@ pub use self::integrals::Integrals;
 pub use self::threshold::{Threshold, border, changes_sign, threshold};
 
 use crate::design::{Coordinate, Fixed};
+use crate::machine::SiQuantity;
 use crate::parameters::{Parameter, ParameterSet};
 
 /// The parameters that M depends on. The strength epsilon of the perturbation is a factor of the whole distance, the layer
@@ -146,7 +147,9 @@ impl Melnikov {
     }
 }
 
+/// Why there is no value of Mel'nikov's function, or no threshold.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages tell what each is")]
 pub enum MelnikovError {
     #[error("b = {b}: Mel'nikov's function needs a homoclinic orbit, which the springs have for b > 0 only")]
     NoHomoclinicOrbit { b: f64 },
@@ -190,7 +193,7 @@ pub fn known(at: &Fixed) -> String {
         Some(machine) => machine
             .quantities()
             .filter(|&quantity| depends(at, quantity.into()))
-            .map(|quantity| quantity.name())
+            .map(SiQuantity::name)
             .collect(),
     };
     names.join(", ")

@@ -252,9 +252,8 @@ fn thresholds_in_quantities_of_a_machine_are_those_of_its_parameters() {
         };
         let found = match threshold(&fixed, &axis) {
             Ok(found) => found,
-            Err(MelnikovError::NotAParameter { .. }) => continue,
-            // too little compression on a part of the range
-            Err(MelnikovError::NoHomoclinicOrbit { .. }) => continue,
+            // the latter from too little compression on a part of the range
+            Err(MelnikovError::NotAParameter { .. } | MelnikovError::NoHomoclinicOrbit { .. }) => continue,
             Err(error) => panic!("{quantity}: {error}"),
         };
         searched.push(quantity);

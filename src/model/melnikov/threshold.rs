@@ -20,6 +20,7 @@ pub enum Threshold {
 }
 
 impl Threshold {
+    /// In the unit of the axis; None where M changes sign at all values of it or at none.
     pub fn value(self) -> Option<f64> {
         match self {
             Self::Begins(value) | Self::Ceases(value) => Some(value),

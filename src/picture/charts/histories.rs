@@ -14,8 +14,9 @@ const TIME: &str = "time τ";
 
 const NOTHING: &str = "there is no sample";
 
-/// Words of the axes.
+/// Words of the axis of pressure.
 pub const PRESSURE: &str = "pressure p";
+/// Words of the axis of wear.
 pub const WEAR: &str = "wear u_w";
 
 /// A quantity where there is a machine: its words, its unit, and what leads to it.
@@ -145,11 +146,13 @@ pub fn curve(samples: &[Sample], value: impl Fn(&Sample) -> f64) -> Vec<[f64; 2]
 
 /// A named curve over time.
 pub struct Course {
+    /// Words in the legend.
     pub name: String,
     /// Pairs (tau, value).
     pub points: Vec<[f64; 2]>,
     /// Curves with one index have one colour.
     pub colour: usize,
+    /// Tells it from others of its colour.
     pub is_dashed: bool,
 }
 

@@ -113,7 +113,9 @@ pub fn section(title: &str, points: &[[f64; 2]], x: Ends, y: Ends, frame: [u32; 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Component {
+    /// The angle.
     X,
+    /// The angular speed.
     Y,
 }
 

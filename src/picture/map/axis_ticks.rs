@@ -17,7 +17,7 @@ pub fn axis_ticks(axis: &Axis, label: &AxisLabel, length: f64, room: impl Fn(f64
         Spacing::Even { .. } => even_ticks(axis, label.factor, length, room, size),
         Spacing::Logarithmic { .. } => {
             let [low, high] = axis.ends().map(|end| (label.factor * end).log10());
-            let ticks = ticks::thinned(ticks::decades(low, high), fits);
+            let ticks = ticks::thinned(&ticks::decades(low, high), fits);
             let values = ticks.into_iter().map(|tick| Tick {
                 value: 10f64.powf(tick.value) / label.factor,
                 ..tick
@@ -26,7 +26,7 @@ pub fn axis_ticks(axis: &Axis, label: &AxisLabel, length: f64, room: impl Fn(f64
         }
         Spacing::Listed(_) => {
             let rising = axis.rising();
-            let ticks = ticks::thinned(label.listed(axis), fits);
+            let ticks = ticks::thinned(&label.listed(axis), fits);
             let values = ticks.into_iter().map(|tick| Tick {
                 value: axis.value(rising[tick.value as usize]),
                 ..tick

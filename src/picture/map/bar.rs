@@ -24,12 +24,12 @@ pub struct Bar {
 impl Bar {
     /// Draws the colour bar to the right of the map; the x of the right end of all that stands beside the map.
     pub fn draw(&self, svg: &mut String, layout: &Layout) -> f64 {
+        const STOPS: u32 = 64;
         let (unit, size) = (layout.unit, layout.tick_size());
         let right = layout.left + layout.width;
         let (left, bar_width) = (right + 24.0 * unit, 22.0 * unit);
         let (top, bottom) = (layout.top, layout.top + layout.height);
         let _ = write!(svg, "<linearGradient id=\"scale\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">");
-        const STOPS: u32 = 64;
         for stop in 0..=STOPS {
             let t = f64::from(stop) / f64::from(STOPS);
             let colour = hex((self.colour)(self.low + (self.high - self.low) * t));

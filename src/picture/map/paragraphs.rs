@@ -2,6 +2,8 @@
 //!
 //! Owns the paragraphs below a map; what captions say of any computation is [`crate::picture::caption`]'s.
 
+use std::fmt::Write as _;
+
 use crate::design::Coordinate;
 use crate::map::{CLOSED, ParameterMap, least_region};
 use crate::measure::{QUANTITIES, Quantity, Values};
@@ -74,7 +76,8 @@ fn numerics(map: &ParameterMap) -> String {
     };
     let mut text = format!("Map of {x} × {y} points. {}, {run}", caption::scheme(settings));
     if settings.sampling.initial_states > 1 {
-        text += &format!(
+        let _ = write!(
+            text,
             ", {} initial states (seed {}) per point from x in {}, y in {}",
             settings.sampling.initial_states,
             settings.sampling.seed,
@@ -84,11 +87,11 @@ fn numerics(map: &ParameterMap) -> String {
     }
     let computed = (0..x * y).filter(|&index| map.is_computed(index)).count();
     if computed > 0 {
-        text += &format!(", integrated on {}", backends(map).join(" and "));
+        let _ = write!(text, ", integrated on {}", backends(map).join(" and "));
     }
     text += ". ";
     if computed < x * y {
-        text += &format!("Of the {} points, {computed} are computed. ", x * y);
+        let _ = write!(text, "Of the {} points, {computed} are computed. ", x * y);
     }
     text + &PROGRAM.replace(' ', "\u{a0}") + "."
 }

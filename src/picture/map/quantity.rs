@@ -61,11 +61,10 @@ pub fn lyapunov_picture(map: &ParameterMap, style: &Style) -> Result<Page, Pictu
         Some(Class::QuasiPeriodic) => Cell::Kind(0),
         Some(Class::Undecided) => Cell::Kind(1),
         Some(Class::Unstable) => Cell::Kind(4),
-        Some(Class::Chaotic | Class::Regular) => Cell::Value(values[index]),
         None if map.is_under_resolved(index) => Cell::Kind(3),
         None if map.is_runaway(index) => Cell::Kind(2),
-        // an exponent of finite time
-        None => Cell::Value(values[index]),
+        // what has no class else has an exponent of finite time
+        Some(Class::Chaotic | Class::Regular) | None => Cell::Value(values[index]),
     });
     let bar = bar(Quantity::Lyapunov, &shown, &cells, style)?;
     let border = if style.border { drawn_border(map) } else { Vec::new() };
@@ -285,7 +284,7 @@ fn cells(map: &ParameterMap, cell: impl Fn(usize) -> Cell) -> Vec<Cell> {
 
 /// The plot on its page, above its caption.
 fn page(map: &ParameterMap, style: &Style, mut plot: Plot) -> Result<Page, PictureError> {
-    plot.overlay = style.overlay.clone();
+    plot.overlay.clone_from(&style.overlay);
     let mut caption = paragraphs::of(map);
     if !plot.border.is_empty() {
         caption.push(paragraphs::border(map));

@@ -14,6 +14,7 @@ pub struct Style {
     /// Values at the ends of the colour bar, in SI units without a prefix where it is in SI; by default they are taken from
     /// the data. A two-sided scale is always centred at zero: its colours reach as far as the larger of the two.
     pub limits: Option<(f64, f64)>,
+    /// The pair of scales; each quantity takes one of the two.
     pub colours: ColourScale,
     /// Whether the border of chaos is drawn on the map of the exponent.
     pub border: bool,

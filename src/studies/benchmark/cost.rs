@@ -64,6 +64,6 @@ pub fn cost(backend: &mut dyn Backend, settings: &Settings, points: &[ParameterS
     let whole = started.elapsed();
     Ok(Cost {
         motion_alone: per_instance_period(halfway, settings.sampling.transient_periods),
-        with_vectors: per_instance_period(whole - halfway, settings.sampling.periods),
+        with_vectors: per_instance_period(whole.saturating_sub(halfway), settings.sampling.periods),
     })
 }

@@ -144,16 +144,15 @@ pub fn measure(
     let started = Instant::now();
     for round in 1..=ROUNDS as u32 {
         for (case, costs) in cases.iter().zip(&mut costs) {
-            let cost = match case.instructions {
-                Some(set) => one_core.install(|| case.cost(&mut CpuBackend::with_instructions(case.precision, set)))?,
-                None => {
-                    let gpu = gpu.as_deref_mut().expect("a case of a GPU comes with one");
-                    // kernels are compiled, those of the full model for every number of modes anew
-                    if round == 1 || case.modes.is_some() {
-                        case.cost(gpu)?;
-                    }
-                    case.cost(gpu)?
+            let cost = if let Some(set) = case.instructions {
+                one_core.install(|| case.cost(&mut CpuBackend::with_instructions(case.precision, set)))?
+            } else {
+                let gpu = gpu.as_deref_mut().expect("a case of a GPU comes with one");
+                // kernels are compiled, those of the full model for every number of modes anew
+                if round == 1 || case.modes.is_some() {
+                    case.cost(gpu)?;
                 }
+                case.cost(gpu)?
             };
             costs.push(cost);
         }
@@ -168,17 +167,12 @@ pub fn measure(
     let measured = cases.iter().zip(&costs).map(|(case, costs)| {
         let references = references[usize::from(case.scheme.carries_heat())].as_ref();
         let references = references.expect("computed for every model that occurs");
-        match case.instructions {
-            Some(set) => kernel(
-                case,
-                costs,
-                references,
-                &mut CpuBackend::with_instructions(case.precision, set),
-            ),
-            None => {
-                let gpu = gpu.as_deref_mut().expect("a case of a GPU comes with one");
-                kernel(case, costs, references, gpu)
-            }
+        if let Some(set) = case.instructions {
+            let mut cpu = CpuBackend::with_instructions(case.precision, set);
+            kernel(case, costs, references, &mut cpu)
+        } else {
+            let gpu = gpu.as_deref_mut().expect("a case of a GPU comes with one");
+            kernel(case, costs, references, gpu)
         }
     });
     measured.collect()

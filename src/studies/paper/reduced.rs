@@ -2,6 +2,8 @@
 //!
 //! Owns the panels' axes, the numerical settings and the paper's statements; the analyses are [`crate::analysis`]'s.
 
+use std::fmt::Write as _;
+
 use super::table::{Row, Value};
 use super::{Data, Effort, Observer, Outcome, PaperError};
 use crate::analysis::bifurcation::{Columns, diagram};
@@ -178,6 +180,7 @@ fn exponents_panel(
 }
 
 /// The least zeta_k on a range with chaos from one of the initial states. The outer None means that the observer broke it off.
+#[expect(clippy::option_option, reason = "broken off is not the same as nothing found")]
 fn first_chaos(
     h1: f64,
     range: [f64; 2],
@@ -319,10 +322,10 @@ fn below(
     found: Option<&Found>,
     observer: &mut Observer<'_>,
 ) -> Result<Option<String>, PaperError> {
+    const DEPTH: u32 = 40;
     let Some(found) = found else {
         return Ok(Some("not reproduced".to_owned()));
     };
-    const DEPTH: u32 = 40;
     let mut starts = STARTS.to_vec();
     let settings = Settings {
         sampling: Sampling {
@@ -416,7 +419,7 @@ fn outcome(work: &Work, at: &Fixed, drawn: [Drawn; 4], onsets: &[Option<&Found>]
         caption::integrated_on([BackendKind::CpuF64].into_iter())
     );
     if outside > 0 {
-        numerics += &format!("{outside} states lie outside the frames. ");
+        let _ = write!(numerics, "{outside} states lie outside the frames. ");
     }
     let shown = [Parameter::ZetaK, Parameter::H1, Parameter::X0, Parameter::Y0];
     let sheet = Sheet {

@@ -2,6 +2,8 @@
 //!
 //! Owns the curves' parameters, the panels' axes and the paper's statements; the motion is [`crate::dynamics`]'.
 
+#![expect(clippy::unnecessary_wraps, reason = "all figures have one signature")]
+
 use super::table::{Row, Value};
 use super::{Data, Effort, Observer, Outcome, PaperError};
 use crate::analysis::path::path;
