@@ -2,10 +2,10 @@
 
 use clap::Args;
 use serde::{Deserialize, Serialize};
-use serde_json::json;
-use tribochaos::analysis::path::path;
-use tribochaos::design::{Coordinate, Points};
-use tribochaos::experiment::Request;
+use serde_json::{Value, json};
+use tribochaos::analysis::path::{Path, path};
+use tribochaos::design::{Coordinate, Fixed, Points};
+use tribochaos::experiment::{Experiment, Request};
 use tribochaos::measure::Status;
 use tribochaos::output::PROGRAM;
 use tribochaos::parameters::Parameter;
@@ -80,57 +80,7 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
     let mut files = Claim::new(&args.out, "outputs/phase", &[""], &written)?;
 
     let varied = experiment.design.varied.coordinates();
-    let mut orbits = Vec::new();
-    let mut rows = Vec::new();
-    let mut objects = Vec::new();
-    for point in &analysis::points(&experiment) {
-        let values: Vec<f64> = varied
-            .iter()
-            .map(|&coordinate| analysis::value_of(point, coordinate))
-            .collect();
-        for &start in starts {
-            let path = path(
-                &point.parameters().with_initial_state(start),
-                settings,
-                POINTS_PER_PERIOD,
-            );
-            rows.extend(path.points.iter().map(|p| {
-                let is_stroboscopic = f64::from(u8::from(p.is_stroboscopic));
-                [&start[..], &values, &[p.tau, p.x, p.y, is_stroboscopic]].concat()
-            }));
-            let [x, y] = start;
-            let ending = match path.status {
-                Status::Ok => None,
-                Status::Runaway { time } => Some(format!("ran away at tau = {time:.3} of its run")),
-                Status::UnderResolved => Some(format!("is under-resolved ({})", report::remedy(settings))),
-            };
-            if let Some(ending) = ending {
-                let at = varied.iter().zip(&values);
-                let at = at.map(|(coordinate, value)| format!(" at {coordinate} = {value}"));
-                let at = at.collect::<Vec<_>>().concat();
-                eprintln!("warning: the orbit from ({x}, {y}){at} {ending}: its path ends there");
-            }
-            let mut name: Vec<String> = varied
-                .iter()
-                .zip(&values)
-                .map(|(&coordinate, &value)| caption::assigned(point, coordinate, value))
-                .collect();
-            if starts.len() > 1 {
-                name.push(format!("from {}", charts::start(start)));
-            }
-            let name = if name.is_empty() {
-                "orbit".to_owned()
-            } else {
-                name.join(", ")
-            };
-            objects.push(json!({
-                "parameters": analysis::parameters(&point.parameters().with_initial_state(start)),
-                "last": path.points.last().map(|p| [p.x, p.y]),
-                "status": path.status.name(),
-            }));
-            orbits.push((name, path.points));
-        }
-    }
+    let orbits = followed(&experiment, starts);
     let mut shown = varied.clone();
     if starts.len() > 1 {
         shown.extend([Parameter::X0, Parameter::Y0].map(Coordinate::from));
@@ -144,7 +94,11 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
             caption::scheme(settings)
         ),
     ];
-    let sheet = Sheet::single(charts::phase("", &orbits, None, None), caption);
+    let curves: Vec<_> = orbits
+        .iter()
+        .map(|orbit| (orbit.name(&varied, starts.len() > 1), orbit.path.points.clone()))
+        .collect();
+    let sheet = Sheet::single(charts::phase("", &curves, None, None), caption);
     files.draw("", &sheet, "Phase plane of the bush-shaft system")?;
     let note = "tau from the end of the transient; stroboscopic: 1 at drive phase 0";
     let names = varied.iter().map(|coordinate| coordinate.name());
@@ -157,8 +111,88 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
         "",
         &[analysis::unit_note(&experiment, &varied, note)],
         columns,
-        rows.into_iter(),
+        orbits.iter().flat_map(Orbit::rows),
     )?;
-    files.tell(&experiment, || json!({ "orbits": objects }), || {});
+    let objects = || orbits.iter().map(Orbit::object).collect::<Vec<_>>();
+    files.tell(&experiment, || json!({ "orbits": objects() }), || {});
     Ok(())
+}
+
+/// What was followed from one initial state at one point.
+struct Orbit {
+    point: Fixed,
+    start: [f64; 2],
+    /// Of what varies.
+    values: Vec<f64>,
+    path: Path,
+}
+
+/// Follows the orbits from all initial states at all points; warns of those that end before their time.
+fn followed(experiment: &Experiment, starts: &[[f64; 2]]) -> Vec<Orbit> {
+    let (settings, varied) = (&experiment.settings, experiment.design.varied.coordinates());
+    let mut orbits = Vec::new();
+    for point in analysis::points(experiment) {
+        let values: Vec<f64> = varied
+            .iter()
+            .map(|&coordinate| analysis::value_of(&point, coordinate))
+            .collect();
+        for &start in starts {
+            let from = point.parameters().with_initial_state(start);
+            let path = path(&from, settings, POINTS_PER_PERIOD);
+            let ending = match path.status {
+                Status::Ok => None,
+                Status::Runaway { time } => Some(format!("ran away at tau = {time:.3} of its run")),
+                Status::UnderResolved => Some(format!("is under-resolved ({})", report::remedy(settings))),
+            };
+            if let Some(ending) = ending {
+                let at = varied.iter().zip(&values);
+                let at = at.map(|(coordinate, value)| format!(" at {coordinate} = {value}"));
+                let at = at.collect::<Vec<_>>().concat();
+                let [x, y] = start;
+                eprintln!("warning: the orbit from ({x}, {y}){at} {ending}: its path ends there");
+            }
+            let values = values.clone();
+            orbits.push(Orbit {
+                point,
+                start,
+                values,
+                path,
+            });
+        }
+    }
+    orbits
+}
+
+impl Orbit {
+    /// As the legend names it: by what varies, and by its initial state where there are several.
+    fn name(&self, varied: &[Coordinate], by_start: bool) -> String {
+        let values = varied.iter().zip(&self.values);
+        let mut parts: Vec<String> = values
+            .map(|(&coordinate, &value)| caption::assigned(&self.point, coordinate, value))
+            .collect();
+        if by_start {
+            parts.push(format!("from {}", charts::start(self.start)));
+        }
+        if parts.is_empty() {
+            "orbit".to_owned()
+        } else {
+            parts.join(", ")
+        }
+    }
+
+    /// Its rows of the table.
+    fn rows(&self) -> impl Iterator<Item = Vec<f64>> + '_ {
+        self.path.points.iter().map(|p| {
+            let is_stroboscopic = f64::from(u8::from(p.is_stroboscopic));
+            [&self.start[..], &self.values, &[p.tau, p.x, p.y, is_stroboscopic]].concat()
+        })
+    }
+
+    fn object(&self) -> Value {
+        json!({
+            "parameters": analysis::parameters(&self.point.parameters().with_initial_state(self.start)),
+            "last": self.path.points.last().map(|p| [p.x, p.y]),
+            "status": self.path.status.name(),
+        })
+    }
 }
