@@ -99,6 +99,7 @@ mod gpu {
         Err(BackendError::Unsupported(NONE.into()))
     }
 
+    #[expect(clippy::unnecessary_wraps, reason = "the same as with GPUs, for the caller")]
     pub fn if_there(
         _adapter: Option<&str>,
         _fallback: Box<dyn Backend>,
