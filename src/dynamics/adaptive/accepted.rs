@@ -174,3 +174,46 @@ fn raised<R: Real>(record: R, cubic: &Cubic<R>, accepted: R::Mask) -> R {
     let (highest, _) = cubic.maximum();
     R::select(accepted, record.max(highest), record)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::Preset;
+    use crate::model::rubbing::HeatModes;
+    use crate::model::thermal_modes::ThermalModes;
+    use crate::parameters::Parameter;
+
+    /// Of a heat flux that is a parabola of time, by quadrature of what each mode is the integral of.
+    #[test]
+    fn the_temperature_within_a_step_is_that_of_the_heat_so_far() {
+        let set = Preset::Paper.parameters();
+        let modes = HeatModes::new(&set, &ThermalModes::new(set[Parameter::Biot], 6));
+        let system = System::<f64>::new(|parameter| set[parameter], |_| &modes);
+        let mut orbit = Orbit::start(&system, 0.0, 0.0);
+        for (m, mode) in orbit.modes.iter_mut().enumerate() {
+            *mode = 0.3 - 0.1 * m as f64;
+        }
+        let (flux, h) = ([1.3, -2.1, 4.7], 0.04);
+        for part in [0.1, 0.5, 0.9, 1.0] {
+            let end = part * h;
+            let mode = |m: usize| {
+                let rate = system.rates[m];
+                let put_in = |t: f64| {
+                    let s = t / h;
+                    (flux[0] + s * (flux[1] + s * flux[2])) * (-rate * (end - t)).exp()
+                };
+                // Simpson's rule
+                let intervals = 2000;
+                let width = end / f64::from(intervals);
+                let inner: f64 = (1..intervals)
+                    .map(|n| put_in(width * f64::from(n)) * if n % 2 == 1 { 4.0 } else { 2.0 })
+                    .sum();
+                let sum = width / 3.0 * (put_in(0.0) + inner + put_in(end));
+                system.weights[m] * rate * (orbit.modes[m] * (-rate * end).exp() + sum)
+            };
+            let expected: f64 = (0..orbit.modes.len()).map(mode).sum();
+            let found = orbit.falloff_within(&system, flux, part, h);
+            assert!((found / expected - 1.0).abs() < 1e-9, "{part}: {found} for {expected}");
+        }
+    }
+}

@@ -192,3 +192,47 @@ impl<R: Real> Orbit<R> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::{Preset, Settings};
+    use crate::model::rubbing::HeatModes;
+    use crate::model::thermal_modes::ThermalModes;
+    use crate::parameters::{Parameter, ParameterSet};
+
+    fn system<R: Real>(set: &ParameterSet) -> System<R> {
+        let modes = HeatModes::new(set, &ThermalModes::new(set[Parameter::Biot], 6));
+        System::new(|parameter| R::splat(set[parameter]), |_| &modes)
+    }
+
+    /// Follows the orbit over part 0 of so many of a period.
+    fn follow<R: Real>(orbit: &mut Orbit<R>, system: &System<R>, parts: u32) {
+        let control = Control::new(&Settings::default());
+        let mut peaks = Peaks::start(orbit);
+        let mut scratch = vec![ModeStep::empty(); orbit.modes.len()];
+        orbit.part_of_period(system, &control, &mut peaks, None, &mut scratch, 0, parts);
+    }
+
+    /// In f32 a tick is a part of a period that can be asked for.
+    #[test]
+    fn the_last_tick_is_a_step_as_well() {
+        let system = system::<f32>(&Preset::Paper.parameters());
+        let mut orbit = Orbit::start(&system, 0.5, 0.0);
+        follow(&mut orbit, &system, f32::PERIOD_TICKS as u32);
+        assert_eq!((orbit.under_resolved, orbit.to), (0.0, 1.0));
+    }
+
+    #[test]
+    fn what_was_given_up_stands_still_and_all_else_goes_on() {
+        let system = system::<f64>(&Preset::Paper.parameters());
+        for (under_resolved, runaway) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+            let mut orbit = Orbit::start(&system, 0.5, 0.0);
+            (orbit.under_resolved, orbit.runaway) = (under_resolved, runaway);
+            follow(&mut orbit, &system, 1);
+            let has_moved = orbit.x != 0.5;
+            assert_eq!(has_moved, under_resolved + runaway == 0.0, "{under_resolved} {runaway}");
+            assert_eq!((orbit.under_resolved, orbit.runaway), (under_resolved, runaway));
+        }
+    }
+}
