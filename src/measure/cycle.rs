@@ -247,3 +247,75 @@ impl Track {
 fn distance([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
     (ax - bx).hypot(ay - by)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is made of an orbit that goes round `cycle`, off it by less and less, where vectors grow alike in every turn.
+    fn watched(cycle: &[[f64; 2]], off: f64, growth: [f64; 2]) -> Option<Measurement> {
+        let period = cycle.len() as u32;
+        let set = ParameterSet::default();
+        let end = EndState {
+            x: cycle[0][0],
+            y: cycle[0][1],
+            tangent: [1.0, 0.0],
+            x_min: -1.0,
+            x_max: 1.0,
+            period: Some(period),
+            runaway_periods: None,
+            under_resolved: false,
+            contact: Contact::CONSTANT,
+        };
+        let candidate = Candidate {
+            instance: set,
+            tangent: [1.0, 0.0],
+            period,
+        };
+        let mut track = Track::new(&candidate);
+        for turn in 0..TURNS {
+            let sums = Sums {
+                growth,
+                divergence: growth.iter().sum(),
+                ..Sums::default()
+            };
+            track.end_turn(&end, &sums, turn + 1 == TURNS);
+        }
+        // by the first multiplier in a turn
+        let left = |n: u32| off * (growth[0] * f64::from(n) / f64::from(period)).exp();
+        track.states = (0..=2 * period)
+            .map(|n| {
+                let [x, y] = cycle[n as usize % cycle.len()];
+                [x + left(n), y]
+            })
+            .collect();
+        track.measurement(&candidate, &end, BackendKind::CpuF64)
+    }
+
+    #[test]
+    fn the_period_of_an_orbit_on_its_way_is_that_of_its_cycle() {
+        let [a, b, c, d] = [[0.5, 0.1], [0.9, -0.2], [0.5, 0.1 + 1e-4], [0.9, -0.2 + 1e-4]];
+        for off in [0.0, 1e-12, 1e-8, 1e-6] {
+            for (cycle, period) in [([a; 4], 1), ([a, b, a, b], 2), ([a, b, c, d], 4), ([a, b, c, b], 4)] {
+                let m = watched(&cycle, off, [-2.0, -3.0]).unwrap();
+                assert_eq!(
+                    (m.class, m.period),
+                    (Some(Class::Regular), Some(period)),
+                    "{off}: {m:?}"
+                );
+                let time = 4.0 * ParameterSet::default().forcing_period();
+                assert!((m.lyapunov * time + 2.0).abs() < 1e-9 && (m.lyapunov_second * time + 3.0).abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn only_what_stands_still_is_on_an_unstable_cycle() {
+        let cycle = [[0.5, 0.1], [0.9, -0.2]];
+        assert_eq!(watched(&cycle, 0.0, [2.0, -3.0]).unwrap().class, Some(Class::Unstable));
+        // it may be leaving
+        assert!(watched(&cycle, 1e-9, [2.0, -3.0]).is_none());
+        // too far off to tell
+        assert!(watched(&cycle, 1e-2, [-2.0, -3.0]).is_none());
+    }
+}
