@@ -222,4 +222,23 @@ mod tests {
         let runaway = Measurement::runaway(3.0, BackendKind::CpuF64);
         assert_eq!(compared(&cycle, &runaway).status, Status::UnderResolved);
     }
+
+    /// Where the finer scheme does not say the same: an exponent of three errors, and of a torus an error that a torus may have.
+    #[test]
+    fn a_class_stands_where_it_stands_above_its_error() {
+        let exact = |class, lyapunov| orbit(class, lyapunov, 0.0, None);
+        for (class, lyapunov, off, stands) in [
+            (Class::Regular, -0.3, 0.095, true),
+            (Class::Regular, -0.3, 0.105, false),
+            (Class::Chaotic, 0.3, 0.095, true),
+            (Class::Chaotic, 0.3, 0.105, false),
+            (Class::QuasiPeriodic, 0.0, 0.0045, true),
+            (Class::QuasiPeriodic, 0.0, 0.0055, false),
+        ] {
+            let found = compared(&exact(class, lyapunov), &exact(Class::Undecided, lyapunov + off));
+            assert!((found.lyapunov_error - off).abs() < 1e-12, "{class:?} {off}: {found:?}");
+            let expected = if stands { class } else { Class::Undecided };
+            assert_eq!(found.class, Some(expected), "{class:?} {off}");
+        }
+    }
 }
