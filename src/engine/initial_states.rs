@@ -152,6 +152,57 @@ mod tests {
         assert_eq!(point.unsettled_fraction, 0.2);
     }
 
+    /// Of several states; without heat, which a state (x, y) does not tell.
+    #[test]
+    fn what_is_bounded_and_has_not_settled_is_carried_on() {
+        let runaway = Measurement::runaway(1.0, BackendKind::CpuF64);
+        let cases = [
+            (orbit(Class::Regular, -0.1, Some(3), 0.0, 1.0), false),
+            (orbit(Class::Regular, -0.1, None, 0.0, 1.0), true),
+            (orbit(Class::Undecided, 0.0, None, 0.0, 1.0), true),
+            (orbit(Class::QuasiPeriodic, 0.0, None, 0.0, 1.0), true),
+            (orbit(Class::Chaotic, 0.1, None, 0.0, 1.0), false),
+            (orbit(Class::Unstable, 0.1, Some(1), 0.0, 1.0), false),
+            (runaway, false),
+        ];
+        let measured: Vec<Measurement> = cases
+            .iter()
+            .map(|(m, _)| Measurement { x: 0.25, y: -0.5, ..*m })
+            .collect();
+        let expected: Vec<usize> = (0..cases.len()).filter(|&index| cases[index].1).collect();
+        let carried = |initial_states, set: ParameterSet| {
+            let settings = Settings {
+                initial_states,
+                ..Settings::default()
+            };
+            unsettled(&settings, &vec![set; cases.len()], &measured)
+        };
+        let several = carried(2, ParameterSet::default());
+        let indices: Vec<usize> = several.iter().map(|(index, _)| *index).collect();
+        assert_eq!(indices, expected);
+        for (_, set) in several {
+            assert_eq!((set[Parameter::X0], set[Parameter::Y0]), (0.25, -0.5));
+        }
+        assert!(carried(1, ParameterSet::default()).is_empty());
+        assert!(carried(2, ParameterSet::default().with(Parameter::Gamma, 1.0)).is_empty());
+    }
+
+    /// Its own run is one of the four.
+    #[test]
+    fn it_is_measured_anew_after_four_lengths_of_its_run() {
+        let settings = Settings {
+            transient_periods: 300,
+            periods: 250,
+            ..Settings::default()
+        };
+        let longer = carried_on(&settings);
+        let length = settings.transient_periods + settings.periods;
+        assert_eq!(
+            (length + longer.transient_periods, longer.periods),
+            (4 * length, settings.periods)
+        );
+    }
+
     #[test]
     fn a_point_all_of_whose_states_run_away_has_run_away() {
         let runaway = Measurement::runaway(3.0, BackendKind::CpuF64);
