@@ -238,6 +238,30 @@ fn thresholds_in_other_parameters_meet_those_in_zeta_k() {
     }
 }
 
+/// Where a range has one threshold at most, the function at its ends tells both sides.
+#[test]
+fn what_is_said_of_the_sides_of_a_threshold_is_what_the_function_does_there() {
+    let at = point(&[(Parameter::ZetaK, 3.6933), (Parameter::H1, 0.0)]);
+    let mut kinds = Vec::new();
+    for (parameter, low, high) in [
+        (Parameter::ZetaK, 3.0, 4.0),
+        (Parameter::H1, 0.0, 3.0),
+        (Parameter::H1, 0.0, 0.4),
+        (Parameter::H1, 0.6, 1.0),
+    ] {
+        let found = find(at, parameter, low, high);
+        let ends = [low, high].map(|value| changes_sign(&at.with(parameter, value)).unwrap());
+        assert_eq!(
+            found.changes_sign(),
+            ends,
+            "{parameter} from {low} to {high}: {found:?}"
+        );
+        kinds.push(std::mem::discriminant(&found));
+    }
+    kinds.dedup();
+    assert_eq!(kinds.len(), 4);
+}
+
 /// Every quantity of a machine that moves what M depends on has the threshold of its parameters.
 #[test]
 fn thresholds_in_quantities_of_a_machine_are_those_of_its_parameters() {
