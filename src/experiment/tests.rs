@@ -45,6 +45,21 @@ fn an_empty_file_is_the_default_experiment() {
     assert_eq!(Request::from_toml("").unwrap(), Request::default());
 }
 
+/// The axes that the manual names.
+#[test]
+fn the_default_map_is_the_manual_s() {
+    let manual = include_str!("../../docs/command-line.md");
+    let text = "The defaults are `zeta_k=0:12:300` and `h1=0:2:201`";
+    assert!(manual.contains(text));
+    let axes: Vec<Axis> = text
+        .split('`')
+        .filter(|part| part.contains('='))
+        .map(|axis| Axis::parse(axis).unwrap())
+        .collect();
+    assert_eq!(Request::default_map().to_vec(), axes);
+    assert_eq!(Request::default().resolve().unwrap().design.axes(), axes);
+}
+
 #[test]
 fn bad_requests_are_refused_with_a_reason() {
     for (toml, reason) in [
