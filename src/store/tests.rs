@@ -152,6 +152,22 @@ fn damaged_values_of_a_finished_tile_are_reported() {
 }
 
 #[test]
+fn codes_with_a_name_are_read_and_no_others() {
+    for info in QUANTITIES {
+        let Values::Code(names) = info.values else { continue };
+        let (_folder, store) = sample(|_| true);
+        let chunk = store.path().join(info.name).join("c/0/0");
+        let first_without = names.len() as u8;
+        fs::write(&chunk, [first_without - 1; 6]).unwrap();
+        assert!(store.read_map().is_ok(), "{}", info.name);
+        fs::write(&chunk, [first_without; 6]).unwrap();
+        let message = store.read_map().unwrap_err().to_string();
+        let expected = format!("`{}`, chunk c/0/0: {first_without} is no code", info.name);
+        assert!(message.contains(&expected), "{message}");
+    }
+}
+
+#[test]
 fn attributes_outlive_the_store_that_set_them() {
     let (_folder, mut store) = sample(|_| false);
     store.set_attribute("audit", json!({"points": 32})).unwrap();
