@@ -5,7 +5,9 @@ use tribochaos::backend::{Backend, BackendKind, EndState, Slice, Stage};
 use tribochaos::dynamics::reference::{Reference, ReferenceOrbit};
 use tribochaos::dynamics::tangent::Vector;
 use tribochaos::dynamics::taylor::series::{Local, Series};
+use tribochaos::dynamics::taylor::{COEFFICIENTS, Flow, MISSED, step, unit_of_time};
 use tribochaos::experiment::{Integration, Precision, Scheme, Settings};
+use tribochaos::lanes::LONG_PERIOD_TICKS;
 use tribochaos::measure::Status;
 use tribochaos::parameters::{Parameter, ParameterSet};
 use tribochaos::studies::benchmark::{self, accuracy::References};
@@ -118,6 +120,36 @@ fn sticking_is_resolved() {
             "zeta_k = {zeta_k}, f_0 = {f_0}: {found:?}, reference {exact:?}"
         );
     }
+}
+
+/// v falls, turns behind the boundary of a thin layer, and rises again, all within a step that shows it outside at its start, its
+/// middle and its end: x'' = x - x^3 from just before the bottom of the well, at the shaft's speed.
+#[test]
+fn a_dip_into_a_thin_layer_ends_a_step_at_its_boundary() {
+    let epsilon_0 = 1e-3;
+    let p = point(&[
+        (Parameter::ZetaK, 0.0),
+        (Parameter::OmegaK, 1.0),
+        (Parameter::H1, 0.0),
+        (Parameter::F0, 1e-3),
+        (Parameter::Alpha, 0.0),
+        (Parameter::Beta, 0.0),
+        (Parameter::Epsilon0, epsilon_0),
+    ]);
+    let unit = unit_of_time(p[Parameter::Omega0]);
+    let flow = Flow::<f64>::of(&p, 28);
+    // by the linear motion v falls by 4e-4 within 0.02, and is back after 0.04; a step takes 0.11
+    let state = flow.start(0.98, (1.0 - 1.2 * epsilon_0) * unit, LONG_PERIOD_TICKS);
+    assert_eq!(state.piece, 3.0);
+    let (step, end) = step::<f64, COEFFICIENTS, true>(&flow, &state);
+    let found = step.series.v_at(step.s) / unit;
+    assert!((found - epsilon_0).abs() < MISSED * epsilon_0, "{found}");
+    assert!(
+        step.s * unit < 0.02 && end.piece == 2.0,
+        "after {} on piece {}",
+        step.s * unit,
+        end.piece
+    );
 }
 
 /// In f32 v comes to the layer's boundary, is rounded to just beyond it, goes on away from it, and turns: of the two crossings
