@@ -68,6 +68,26 @@ fn classes_are_those_of_runs_at_full_length_for_a_third_of_their_work() {
     }
 }
 
+/// A transient that is shorter than the first leg leaves no time to decide in: such a run is the one at full length.
+#[test]
+fn what_is_too_short_to_be_decided_early_runs_as_it_was_asked_to() {
+    let points = [3.5, 3.9].map(|zeta_k| ParameterSet::default().with(Parameter::ZetaK, zeta_k));
+    for transient_periods in [0, 1, 15] {
+        let measured = |decide_early| {
+            let settings = Settings {
+                transient_periods,
+                align_periods: transient_periods.min(8),
+                periods: 64,
+                decide_early,
+                ..Settings::default()
+            };
+            // NaN is written alike, and equals nothing
+            format!("{:#?}", measure(Precision::F64, &settings, &points))
+        };
+        assert_eq!(measured(true), measured(false), "{transient_periods}");
+    }
+}
+
 /// Both leave an unstable cycle so slowly that vectors grow steadily for some two hundred periods; both end on a cycle of period 4.
 #[test]
 fn a_slow_departure_from_an_unstable_cycle_is_not_taken_for_chaos() {
