@@ -118,6 +118,7 @@ fn same_attractor(a: &Measurement, b: &Measurement, period_tolerance: f64) -> bo
 mod tests {
     use super::*;
     use crate::backend::BackendKind;
+    use crate::parameters::Parameter;
 
     fn orbit(class: Class, lyapunov: f64, period: Option<u32>, x_min: f64, x_max: f64) -> Measurement {
         let runaway = Measurement::runaway(1.0, BackendKind::CpuF64);
@@ -172,16 +173,19 @@ mod tests {
         let expected: Vec<usize> = (0..cases.len()).filter(|&index| cases[index].1).collect();
         let carried = |initial_states, set: ParameterSet| {
             let settings = Settings {
-                initial_states,
+                sampling: Sampling {
+                    initial_states,
+                    ..Sampling::default()
+                },
                 ..Settings::default()
             };
-            unsettled(&settings, &vec![set; cases.len()], &measured)
+            unsettled(&settings, &vec![Instance::from(set); cases.len()], &measured)
         };
         let several = carried(2, ParameterSet::default());
         let indices: Vec<usize> = several.iter().map(|(index, _)| *index).collect();
         assert_eq!(indices, expected);
-        for (_, set) in several {
-            assert_eq!((set[Parameter::X0], set[Parameter::Y0]), (0.25, -0.5));
+        for (_, instance) in several {
+            assert_eq!(instance.state, [0.25, -0.5]);
         }
         assert!(carried(1, ParameterSet::default()).is_empty());
         assert!(carried(2, ParameterSet::default().with(Parameter::Gamma, 1.0)).is_empty());
@@ -191,16 +195,15 @@ mod tests {
     #[test]
     fn it_is_measured_anew_after_four_lengths_of_its_run() {
         let settings = Settings {
-            transient_periods: 300,
-            periods: 250,
+            sampling: Sampling {
+                transient_periods: 300,
+                periods: 250,
+                ..Sampling::default()
+            },
             ..Settings::default()
         };
-        let longer = carried_on(&settings);
-        let length = settings.transient_periods + settings.periods;
-        assert_eq!(
-            (length + longer.transient_periods, longer.periods),
-            (4 * length, settings.periods)
-        );
+        let longer = carried_on(&settings).sampling;
+        assert_eq!((550 + longer.transient_periods, longer.periods), (4 * 550, 250));
     }
 
     #[test]

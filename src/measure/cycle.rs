@@ -251,11 +251,11 @@ fn distance([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::ParameterSet;
 
     /// What is made of an orbit that goes round `cycle`, off it by less and less, where vectors grow alike in every turn.
     fn watched(cycle: &[[f64; 2]], off: f64, growth: [f64; 2]) -> Option<Measurement> {
         let period = cycle.len() as u32;
-        let set = ParameterSet::default();
         let end = EndState {
             x: cycle[0][0],
             y: cycle[0][1],
@@ -268,8 +268,7 @@ mod tests {
             contact: Contact::CONSTANT,
         };
         let candidate = Candidate {
-            instance: set,
-            tangent: [1.0, 0.0],
+            instance: ParameterSet::default().into(),
             period,
         };
         let mut track = Track::new(&candidate);

@@ -10,7 +10,7 @@ use super::layout::node;
 use super::*;
 use crate::backend::BackendKind;
 use crate::machine::Scale;
-use crate::measure::{Measurement, QUANTITIES, Quantity};
+use crate::measure::{Measurement, QUANTITIES, Quantity, Values};
 use crate::output::PROGRAM;
 use crate::output::samples::{experiment, machine_experiment, measurement};
 use crate::parameters::PARAMETERS;

@@ -75,10 +75,13 @@ fn what_is_too_short_to_be_decided_early_runs_as_it_was_asked_to() {
     for transient_periods in [0, 1, 15] {
         let measured = |decide_early| {
             let settings = Settings {
-                transient_periods,
-                align_periods: transient_periods.min(8),
-                periods: 64,
-                decide_early,
+                sampling: Sampling {
+                    transient_periods,
+                    align_periods: transient_periods.min(8),
+                    periods: 64,
+                    decide_early,
+                    ..Sampling::default()
+                },
                 ..Settings::default()
             };
             // NaN is written alike, and equals nothing

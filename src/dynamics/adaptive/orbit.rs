@@ -196,7 +196,7 @@ impl<R: Real> Orbit<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::{Preset, Settings};
+    use crate::experiment::{Preset, Scheme};
     use crate::model::rubbing::HeatModes;
     use crate::model::thermal_modes::ThermalModes;
     use crate::parameters::{Parameter, ParameterSet};
@@ -208,7 +208,7 @@ mod tests {
 
     /// Follows the orbit over part 0 of so many of a period.
     fn follow<R: Real>(orbit: &mut Orbit<R>, system: &System<R>, parts: u32) {
-        let control = Control::new(&Settings::default());
+        let control = Control::new(&Scheme::Radau.into());
         let mut peaks = Peaks::start(orbit);
         let mut scratch = vec![ModeStep::empty(); orbit.modes.len()];
         orbit.part_of_period(system, &control, &mut peaks, None, &mut scratch, 0, parts);
