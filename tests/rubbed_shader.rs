@@ -41,7 +41,7 @@ fn rust_layouts() -> BTreeMap<&'static str, Layout> {
             tolerance,
             newton,
             reach,
-            longest,
+            longest_step_periods,
             swing
         }),
         layout_of!(Span {

@@ -59,7 +59,7 @@ fn rust_layouts() -> BTreeMap<&'static str, Layout> {
             alpha,
             beta,
             epsilon_0,
-            step_size,
+            step_units,
             unit_of_time
         }),
         layout_of!(Orbit {
@@ -199,7 +199,11 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
     ),
     ("dynamics/taylor", "of", "the shader has instances in lanes"),
     ("dynamics/taylor", "unit_of_time", "the host gives it to the shader"),
-    ("dynamics/taylor", "longest_step", "the host gives it to the shader"),
+    (
+        "dynamics/taylor",
+        "longest_step_units",
+        "the host gives it to the shader",
+    ),
     (
         "dynamics/stroboscope",
         "window",

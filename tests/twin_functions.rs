@@ -34,7 +34,7 @@ struct Probe {
 fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
     let sample = samples[thread.x];
     let motion = motion_new(sample.parameters);
-    let h = step_size_new(sample.parameters.step_size);
+    let h = step_size_new(sample.parameters.step_units);
     let v = sample.speed.start - sample.state.y;
     let stepped = step_with_tangent(motion, h, sample.speed, sample.state, sample.bases);
     let orthonormal = orthonormalise(sample.bases);

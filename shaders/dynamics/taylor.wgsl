@@ -76,10 +76,10 @@ fn flow_new(value: Values) -> Flow {
         friction,
         epsilon_0,
         is_dry & (value.epsilon_0 < Real(THIN)),
-        value.step_size,
+        value.step_units,
         // an absent layer limits nothing
         LAYER_STEP / max(friction.two_f_0_over_epsilon_0, Real(1e-9)),
-        select(Real(FREE_STEP), Real(STIFF_FREE_STEP), Real(STIFF) < drag * unit * value.step_size),
+        select(Real(FREE_STEP), Real(STIFF_FREE_STEP), Real(STIFF) < drag * unit * value.step_units),
         sqrt(3.0 * linear * abs(value.b)),
     );
 }

@@ -9,7 +9,7 @@ fn advance_plain(@builtin(global_invocation_id) global: vec3<u32>) {
     }
     let values = load_values(thread);
     let motion = motion_new(values);
-    let h = step_size_new(values.step_size);
+    let h = step_size_new(values.step_units);
     var orbit = load_orbits(thread);
     var goes_on = carried;
     for (var n = 0u; n < span.periods; n++) {

@@ -11,7 +11,7 @@ fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
     }
     let values = load_values(thread);
     let motion = motion_new(values);
-    let h = step_size_new(values.step_size);
+    let h = step_size_new(values.step_units);
     var orbit = load_orbits(thread);
     var tangent = load_tangents(thread);
     var sums = load_sums(thread);

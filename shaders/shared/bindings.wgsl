@@ -25,9 +25,9 @@ struct Parameters {
     alpha: f32,
     beta: f32,
     epsilon_0: f32,
-    // Of rk4, in units of tau; of taylor the longest step, in its unit of time.
-    step_size: f32,
-    // Taylor's unit of time, in units of tau.
+    // Of rk4 each step, of taylor the longest, in units of time.
+    step_units: f32,
+    // The scheme's unit of time, in units of tau; of rk4 it is 1.
     unit_of_time: f32,
 }
 

@@ -12,7 +12,7 @@ struct Values {
     alpha: Real,
     beta: Real,
     epsilon_0: Real,
-    step_size: Real,
+    step_units: Real,
     unit_of_time: Real,
 }
 
@@ -67,7 +67,7 @@ fn load_values(thread: u32) -> Values {
         values.alpha = put(values.alpha, lane, parameters[instance].alpha);
         values.beta = put(values.beta, lane, parameters[instance].beta);
         values.epsilon_0 = put(values.epsilon_0, lane, parameters[instance].epsilon_0);
-        values.step_size = put(values.step_size, lane, parameters[instance].step_size);
+        values.step_units = put(values.step_units, lane, parameters[instance].step_units);
         values.unit_of_time = put(values.unit_of_time, lane, parameters[instance].unit_of_time);
     }
     return values;

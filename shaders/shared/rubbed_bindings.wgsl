@@ -17,9 +17,9 @@ struct Run {
     newton: f32,
     // How near to a boundary of the friction layer a step must end, in half-widths of the layer.
     reach: f32,
-    // Most of a period that a step may take.
-    longest: f32,
-    // Longest step, times the slower of the two rates of the bush's motion.
+    // Longest step, in forcing periods.
+    longest_step_periods: f32,
+    // Longest step in tau, times the slower of the two rates of the bush's motion.
     swing: f32,
 }
 

@@ -47,9 +47,9 @@ pub struct Control<R> {
     /// How near to a boundary of the friction layer a step must end, in half-widths of the layer. On the wrong piece of
     /// the law for so long, friction errs by the square of it, a tenth of the tolerance.
     pub reach: R,
-    /// Most of a period that a step may take: a sixteenth at most, for which the drive's series is made.
-    pub longest: R,
-    /// Longest step, times the slower of the two rates of the bush's motion: what it rests on may be smooth where the tangent
+    /// Longest step, in forcing periods: a sixteenth at most, for which the drive's series is made.
+    pub longest_step_periods: R,
+    /// Longest step in tau, times the slower of the two rates of the bush's motion: what it rests on may be smooth where the tangent
     /// is not.
     pub swing: R,
 }
@@ -60,7 +60,7 @@ impl<R: Real> Control<R> {
             tolerance: R::splat(integration.tolerance),
             newton: R::splat((0.01 * integration.tolerance).sqrt()),
             reach: R::splat((0.1 * integration.tolerance).sqrt().max(LEAST_REACH)),
-            longest: R::splat(1.0 / f64::from(integration.steps_per_period)),
+            longest_step_periods: R::splat(1.0 / f64::from(integration.steps_per_period)),
             // the scheme is of order 5
             swing: R::splat(SWING * (integration.tolerance / USUAL_TOLERANCE).powf(0.2)),
         }

@@ -129,12 +129,12 @@ pub fn unit_of_time(omega_0: f64) -> f64 {
     TAU / (omega_0 * f64::from(UNITS_PER_PERIOD))
 }
 
-/// Longest step in units of time, the least of three:
+/// Longest step in units of time of the instance, the least of three:
 ///
 /// - the forcing period, or pi, the paper's, where that is shorter, divided by the number of steps;
 /// - [`DAMPING_STEP`] over the rate of the linear damping;
 /// - where the cubic drag is stiff, the step in which its rate grows from 0 to [`DRAG_GROWTH`] over the step.
-pub fn longest_step(parameters: &ParameterSet, steps_per_period: u32) -> f64 {
+pub fn longest_step_units(parameters: &ParameterSet, steps_per_period: u32) -> f64 {
     use Parameter::{Alpha, Beta, Epsilon, H1, Omega0, OmegaK, ZetaK};
     let damping = parameters[Epsilon] * parameters[H1].abs().max(parameters[Alpha].abs());
     let steps = f64::from(steps_per_period);
@@ -174,11 +174,11 @@ impl<R: Real> Flow<R> {
         Self::new(
             |parameter| R::splat(parameters[parameter]),
             R::splat(unit_of_time(parameters[Parameter::Omega0])),
-            R::splat(longest_step(parameters, steps_per_period)),
+            R::splat(longest_step_units(parameters, steps_per_period)),
         )
     }
 
-    /// The flow with the parameters that `value` gives, given [`unit_of_time`] and [`longest_step`].
+    /// The flow with the parameters that `value` gives, given [`unit_of_time`] and [`longest_step_units`].
     pub fn new(value: impl Fn(Parameter) -> R, unit: R, longest: R) -> Self {
         use Parameter::{Alpha, B, Beta, Epsilon, Epsilon0, F0, H1, OmegaK, ZetaK};
         let linear = unit * unit;

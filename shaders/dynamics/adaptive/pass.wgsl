@@ -80,7 +80,7 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
         let free = select(length * longer, (*orbit).step, length < (*orbit).step);
         next = select(free, length * moved, 0.0 < moved);
     }
-    let longest = min(run.longest * f32(TICKS) / system.long, swing_step(orbit, rubbing) / system.tick);
+    let longest = min(run.longest_step_periods * f32(TICKS) / system.long, swing_step(orbit, rubbing) / system.tick);
     (*orbit).step = f32(u32(clamp(next, 0.0, longest)));
     give_up(orbit, system, abs(start.x) + abs(start.shaft_speed - start.v), length);
 }

@@ -47,7 +47,7 @@ impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
         let lanes = |parameter| R::from_lanes(|lane| parameters(lane)[parameter]);
         let unit = R::from_lanes(|lane| taylor::unit_of_time(parameters(lane)[Parameter::Omega0]));
         let steps = settings.integration.steps_per_period;
-        let longest = R::from_lanes(|lane| taylor::longest_step(parameters(lane), steps));
+        let longest = R::from_lanes(|lane| taylor::longest_step_units(parameters(lane), steps));
         let periods = instances.iter().map(|instance| instance.parameters.forcing_period());
         let [x, y] = [0, 1].map(|n| R::from_lanes(|lane| instance(lane).state[n]));
         let mut block = Self {

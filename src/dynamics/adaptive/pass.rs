@@ -121,7 +121,7 @@ impl<R: Real> Orbit<R> {
             R::select(zero.less(moved), ticks * moved, free),
             ticks * again,
         );
-        let longest = control.longest * R::splat(R::PERIOD_TICKS) / system.long;
+        let longest = control.longest_step_periods * R::splat(R::PERIOD_TICKS) / system.long;
         let longest = longest.min(self.swing_step(rubbing, control) / system.tick);
         let next = R::from_ticks(next.min(longest).max(zero).to_ticks());
         self.step = R::select(running, next, self.step);

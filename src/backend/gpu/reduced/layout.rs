@@ -94,7 +94,7 @@ pub struct Parameters {
     pub alpha: f32,
     pub beta: f32,
     pub epsilon_0: f32,
-    pub step_size: f32,
+    pub step_units: f32,
     pub unit_of_time: f32,
 }
 
@@ -102,9 +102,12 @@ impl Parameters {
     pub fn new(set: &ParameterSet, settings: &Settings) -> Self {
         let value = |parameter| set[parameter] as f32;
         let steps = settings.integration.steps_per_period;
-        let step_size = match settings.integration.scheme {
-            Scheme::Taylor => taylor::longest_step(set, steps),
-            Scheme::Rk4 | Scheme::Radau => set.forcing_period() / f64::from(steps),
+        let (step_units, unit_of_time) = match settings.integration.scheme {
+            Scheme::Taylor => (
+                taylor::longest_step_units(set, steps),
+                taylor::unit_of_time(set[Parameter::Omega0]),
+            ),
+            Scheme::Rk4 | Scheme::Radau => (set.forcing_period() / f64::from(steps), 1.0),
         };
         Self {
             zeta_k: value(Parameter::ZetaK),
@@ -116,8 +119,8 @@ impl Parameters {
             alpha: value(Parameter::Alpha),
             beta: value(Parameter::Beta),
             epsilon_0: value(Parameter::Epsilon0),
-            step_size: step_size as f32,
-            unit_of_time: taylor::unit_of_time(set[Parameter::Omega0]) as f32,
+            step_units: step_units as f32,
+            unit_of_time: unit_of_time as f32,
         }
     }
 }

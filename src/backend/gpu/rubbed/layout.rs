@@ -78,7 +78,7 @@ pub struct Run {
     pub tolerance: f32,
     pub newton: f32,
     pub reach: f32,
-    pub longest: f32,
+    pub longest_step_periods: f32,
     pub swing: f32,
 }
 
@@ -88,7 +88,7 @@ impl Run {
             tolerance,
             newton,
             reach,
-            longest,
+            longest_step_periods,
             swing,
         } = Control::<f32>::new(&settings.integration);
         let window = stroboscope::window(settings.sampling.periods, settings.sampling.max_period);
@@ -101,7 +101,7 @@ impl Run {
             tolerance,
             newton,
             reach,
-            longest,
+            longest_step_periods,
             swing,
         }
     }
