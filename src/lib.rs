@@ -95,6 +95,11 @@ pub use self::results::Results;
 #[cfg(feature = "store")]
 pub use self::store::MapStore;
 
+/// The programs of the manual's page on the library are compiled with the tests.
+#[cfg(all(doctest, feature = "pictures"))]
+#[doc = include_str!("../docs/library.md")]
+struct LibraryPage;
+
 /// Draws a quantity of a map into a PNG file that carries the experiment.
 ///
 /// # Errors

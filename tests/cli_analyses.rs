@@ -561,7 +561,10 @@ fn theory_is_drawn_over_maps_where_it_has_a_curve() {
     run(folder.path(), &["render", "m.zarr"]);
     let without = fs::read(folder.path().join("m-lyapunov.png")).unwrap();
     assert_ne!(with, without);
-    run(folder.path(), &["render", "m.zarr", "--overlay", "melnikov", "--out", "n"]);
+    run(
+        folder.path(),
+        &["render", "m.zarr", "--overlay", "melnikov", "--out", "n"],
+    );
     assert_eq!(fs::read(folder.path().join("n-lyapunov.png")).unwrap(), with);
     run(folder.path(), &map(&["--x", "omega_0=1:3:8", "--y", "h1=0:1.5:6"], "f"));
     for (x, y, reason) in [

@@ -177,7 +177,6 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
     ("dynamics/divergence_check", "alike", "the host sizes the dispatches"),
     ("dynamics/tangent", "from_lanes", "threads have no lanes"),
     ("dynamics/tangent", "lane", "threads have no lanes"),
-    ("dynamics/adaptive/tangent", "turn", "the host starts the vectors"),
     ("dynamics/adaptive/tangent", "in_plane", "the host reads the vectors"),
     (
         "dynamics/adaptive/tangent",
