@@ -723,6 +723,10 @@ fn an_experiment_of_another_command_gives_its_parameters() {
         "{map}"
     );
     assert!(!map.contains("zeta_k = ") && !map.contains("command"), "{map}");
+    // points of --at are not
+    write("several.toml", printed(&["phase", "--at", "h1=0.1,0.2"]));
+    assert!(printed(&["map", "--from", "several.toml"]).contains("parameter = \"h1\""));
+    assert!(!printed(&["point", "--from", "several.toml"]).contains("points"));
     // as many axes as the command has are taken over
     write("line.toml", printed(&["lyapunov", "--x", "h1=0.1:0.7:4"]));
     assert!(printed(&["bifurcation", "--from", "line.toml"]).contains("parameter = \"h1\""));

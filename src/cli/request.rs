@@ -58,7 +58,10 @@ impl SubjectArgs {
         if request.command.as_deref() == command {
             return Ok(request);
         }
-        request.command = None;
+        if request.command.take().is_some() {
+            // of --at, which other commands have not, or for something else
+            request.points = None;
+        }
         request.options.clear();
         let lengths = |sampling: Sampling| {
             let Sampling {
