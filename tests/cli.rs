@@ -738,6 +738,32 @@ fn an_experiment_of_another_command_gives_its_parameters() {
     );
     let bad = tribochaos(folder.path(), &["phase", "--from", "bad.toml"]);
     assert_refused(&bad, "unknown field `starts`");
+    // values go through the same checks as typed ones
+    for (command, options, reason) in [
+        (
+            "history",
+            "samples = 0",
+            "samples = 0 is out of range: it must be from 4 to 4096",
+        ),
+        ("bifurcation", "limits = [1.0, -1.0]", "the limits 1:-1 are no range"),
+        ("phase", "start = [[1e9, 0.0]]", "x0 = 1000000000 is out of range"),
+        (
+            "poincare",
+            "window = {x = [1.0, 1.0], y = [0.0, 1.0]}",
+            "the window has no extent",
+        ),
+        ("poincare", "points = 0", "points = 0 is out of range"),
+        ("melnikov", "tau = [1.0, 0.0]", "tau0 from 1 to 0 is no range"),
+        (
+            "melnikov",
+            "threshold = {coordinate = 'h1', range = [2.0, 1.0]}",
+            "needs a range",
+        ),
+        ("point", "lifetime = 5", "lifetime = 5 is out of range"),
+    ] {
+        write("bad.toml", format!("command = '{command}'\n[options]\n{options}\n"));
+        assert_refused(&tribochaos(folder.path(), &[command, "--from", "bad.toml"]), reason);
+    }
     write("bad.csv", "# tribochaos 0.1.0\nx,y\n1,2\n".to_owned());
     let bad = tribochaos(folder.path(), &["phase", "--from", "bad.csv"]);
     assert_refused(&bad, "bad.csv holds no experiment");

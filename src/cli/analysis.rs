@@ -20,7 +20,7 @@ use tribochaos::picture::{charts, drawing, png};
 
 use super::json::JsonArgs;
 use super::progress::{self, Progress};
-use super::request::{ExperimentArgs, SubjectArgs};
+use super::request::{Checked, ExperimentArgs, SubjectArgs};
 use super::{Failure, outputs};
 
 /// Where results go.
@@ -50,6 +50,16 @@ pub struct StartArgs {
     /// Initial state, x and y; may be repeated [default: that of x0 and y0]
     #[arg(long, value_name = "X,Y", value_parser = start, allow_hyphen_values = true)]
     pub start: Vec<[f64; 2]>,
+}
+
+impl Checked for StartArgs {
+    fn check(&self) -> Result<(), String> {
+        let mut values = self
+            .start
+            .iter()
+            .flat_map(|[x, y]| [(Parameter::X0, *x), (Parameter::Y0, *y)]);
+        values.try_for_each(|(parameter, value)| parameter.check(value).map_err(|error| error.to_string()))
+    }
 }
 
 fn start(text: &str) -> Result<[f64; 2], String> {
@@ -94,8 +104,7 @@ impl StartArgs {
 
 /// Whether the initial state was typed, or is that of a preset or of a file.
 pub fn gives_initial_state(args: &ExperimentArgs, request: &Request) -> bool {
-    sets_initial_state(args)
-        || args.initial_states.is_some()
+    args.initial_states.is_some()
         || [Parameter::X0, Parameter::Y0]
             .iter()
             .any(|parameter| request.set.contains_key(parameter.name()))

@@ -17,7 +17,7 @@ use tribochaos::picture::charts::{self, Component};
 use tribochaos::picture::sheet::{SINGLE, Sheet};
 
 use super::analysis::{self, Claim, OutArgs, StartArgs};
-use super::request::{self, AskedAxis, ExperimentArgs};
+use super::request::{self, AskedAxis, Checked, ExperimentArgs};
 use super::{Failure, report};
 
 /// The name of the command in files.
@@ -54,6 +54,13 @@ struct Options {
     #[command(flatten)]
     #[serde(default, skip_serializing_if = "StartArgs::is_empty")]
     start: StartArgs,
+}
+
+impl Checked for Options {
+    fn check(&self) -> Result<(), String> {
+        self.limits.map_or(Ok(()), request::check_limits)?;
+        self.start.check()
+    }
 }
 
 fn follow(text: &str) -> Result<Columns, String> {

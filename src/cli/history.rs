@@ -18,7 +18,7 @@ use tribochaos::picture::charts::histories;
 use tribochaos::picture::sheet::Sheet;
 
 use super::analysis::{self, Claim, OutArgs};
-use super::request::{self, ExperimentArgs};
+use super::request::{self, Checked, ExperimentArgs};
 use super::{Failure, si};
 
 /// The name of the command in files.
@@ -44,6 +44,12 @@ pub struct HistoryArgs {
 struct Options {
     periods: Option<u32>,
     samples: Option<u32>,
+}
+
+impl Checked for Options {
+    fn check(&self) -> Result<(), String> {
+        request::in_range("samples", self.samples, 4..=4096)
+    }
 }
 
 /// Forcing periods where none are asked for: contact at the preset is lost after 23.

@@ -16,6 +16,7 @@ use tribochaos::picture::charts::{self, survival};
 use tribochaos::picture::sheet::Sheet;
 
 use super::analysis::{self, Claim, OutArgs};
+use super::request::{self, Checked};
 use super::{Failure, si};
 
 #[derive(Args, Clone, Copy, Serialize, Deserialize)]
@@ -30,6 +31,13 @@ pub struct LifetimeArgs {
     /// Forcing periods over which the states are followed [default: 4000]
     #[arg(long, value_name = "PERIODS", requires = "lifetime", value_parser = clap::value_parser!(u32).range(100..=200_000))]
     lifetime_periods: Option<u32>,
+}
+
+impl Checked for LifetimeArgs {
+    fn check(&self) -> Result<(), String> {
+        request::in_range("lifetime", self.lifetime, 100..=100_000)?;
+        request::in_range("lifetime_periods", self.lifetime_periods, 100..=200_000)
+    }
 }
 
 const DEFAULT_PERIODS: u32 = 4000;

@@ -18,7 +18,7 @@ use tribochaos::picture::{caption, charts};
 
 use super::analysis::{self, Claim, OutArgs, StartArgs};
 use super::onset::{Outcome, Search};
-use super::request::{self, AskedAxis, ExperimentArgs};
+use super::request::{self, AskedAxis, Checked, ExperimentArgs};
 use super::{Failure, report};
 
 /// The name of the command in files.
@@ -60,6 +60,13 @@ struct Options {
     #[command(flatten)]
     #[serde(default, skip_serializing_if = "StartArgs::is_empty")]
     start: StartArgs,
+}
+
+impl Checked for Options {
+    fn check(&self) -> Result<(), String> {
+        self.limits.map_or(Ok(()), request::check_limits)?;
+        self.start.check()
+    }
 }
 
 const START_HELP: &str = "Initial state, x and y; may be repeated [default: that of x0 and y0 if one is set or the preset's, \

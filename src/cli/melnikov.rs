@@ -15,6 +15,7 @@ use tribochaos::picture::sheet::Sheet;
 use tribochaos::picture::{caption, charts};
 
 use super::analysis::{self, Claim, OutArgs};
+use super::request::Checked;
 use super::request::SubjectArgs;
 use super::{Failure, request};
 
@@ -54,10 +55,21 @@ struct Options {
     tau: Option<[f64; 2]>,
 }
 
+impl Checked for Options {
+    fn check(&self) -> Result<(), String> {
+        self.tau.map_or(Ok(()), check_tau)?;
+        self.threshold.map_or(Ok(()), Sought::check)
+    }
+}
+
 fn tau(text: &str) -> Result<[f64; 2], String> {
-    let [low, high] = request::range(text)?;
+    let tau = request::range(text)?;
+    check_tau(tau).map(|()| tau)
+}
+
+fn check_tau([low, high]: [f64; 2]) -> Result<(), String> {
     if low < high && low.is_finite() && high.is_finite() {
-        Ok([low, high])
+        Ok(())
     } else {
         Err(format!(
             "tau0 from {low} to {high} is no range: give the lower end first"
@@ -81,18 +93,26 @@ fn sought(text: &str) -> Result<Sought, String> {
         None => (text, None),
     };
     let coordinate = Coordinate::from_name(name.trim()).map_err(|error| error.to_string())?;
-    if let Some([low, high]) = range {
-        for value in [low, high] {
-            coordinate.check(value).map_err(|error| error.to_string())?;
-        }
-        if low >= high {
-            return Err(format!(
-                "the search for a threshold in {coordinate} needs a range: from {low} to {high} is none; give LOW:HIGH, the \
+    let sought = Sought { coordinate, range };
+    sought.check().map(|()| sought)
+}
+
+impl Sought {
+    fn check(self) -> Result<(), String> {
+        let Self { coordinate, range } = self;
+        if let Some([low, high]) = range {
+            for value in [low, high] {
+                coordinate.check(value).map_err(|error| error.to_string())?;
+            }
+            if low >= high {
+                return Err(format!(
+                    "the search for a threshold in {coordinate} needs a range: from {low} to {high} is none; give LOW:HIGH, the \
                  lower one first"
-            ));
+                ));
+            }
         }
+        Ok(())
     }
-    Ok(Sought { coordinate, range })
 }
 
 /// The axis along which the threshold is looked for.

@@ -13,7 +13,7 @@ use tribochaos::picture::sheet::Sheet;
 use tribochaos::picture::{caption, charts};
 
 use super::analysis::{self, Claim, OutArgs, StartArgs};
-use super::request::{self, ExperimentArgs};
+use super::request::{self, Checked, ExperimentArgs};
 use super::{Failure, report};
 
 /// The name of the command in files.
@@ -41,6 +41,12 @@ struct Options {
     #[command(flatten)]
     #[serde(default, skip_serializing_if = "StartArgs::is_empty")]
     start: StartArgs,
+}
+
+impl Checked for Options {
+    fn check(&self) -> Result<(), String> {
+        self.start.check()
+    }
 }
 
 /// Points of a path in each forcing period.

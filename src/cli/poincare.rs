@@ -16,7 +16,7 @@ use tribochaos::picture::sheet::{SINGLE, Sheet};
 use tribochaos::picture::{caption, charts};
 
 use super::analysis::{self, Claim, OutArgs};
-use super::request::{self, ExperimentArgs};
+use super::request::{self, Checked, ExperimentArgs};
 use super::{Failure, report};
 
 /// The name of the command in files.
@@ -49,10 +49,21 @@ struct Options {
 const POINTS: u64 = 1_000_000;
 const MOST_POINTS: u64 = 200_000_000;
 
+impl Checked for Options {
+    fn check(&self) -> Result<(), String> {
+        request::in_range("points", self.points, 1..=MOST_POINTS)?;
+        self.window.as_ref().map_or(Ok(()), check_window)
+    }
+}
+
 fn window(text: &str) -> Result<InitialBox, String> {
     let window = request::initial_box(text)?;
+    check_window(&window).map(|()| window)
+}
+
+fn check_window(window: &InitialBox) -> Result<(), String> {
     if window.x[0] < window.x[1] && window.y[0] < window.y[1] {
-        Ok(window)
+        Ok(())
     } else {
         Err("the window has no extent: write X_MIN:X_MAX,Y_MIN:Y_MAX, lower ends first".to_owned())
     }
@@ -83,7 +94,7 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     }
     let mut request = args.experiment.request(Some(COMMAND), &defaults(), [])?;
     let options = request::options(&args.options, &request)?;
-    let asked = options.points.unwrap_or(POINTS).min(MOST_POINTS);
+    let asked = options.points.unwrap_or(POINTS);
     let orbits = u32::try_from(asked.div_ceil(64)).unwrap_or(ORBITS).min(ORBITS);
     // a measurement needs more than a small section
     request.sampling.periods = section::periods(asked, orbits).max(Sampling::LEAST_PERIODS);

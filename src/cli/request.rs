@@ -2,10 +2,11 @@
 //!
 //! Owns the passage from strings to a [`Request`]; what a request means is the library's.
 
-use std::fmt::Write as _;
+use std::fmt::{Display, Write as _};
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use clap::Args;
 use serde::de::value::{Error as ValueError, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
@@ -59,7 +60,7 @@ impl SubjectArgs {
             return Ok(request);
         }
         if request.command.take().is_some() {
-            // of --at, which other commands have not, or for something else
+            // they were typed as --at, which has no meaning for a command with axes
             request.points = None;
         }
         request.options.clear();
@@ -165,8 +166,8 @@ pub struct ExperimentArgs {
 }
 
 impl ExperimentArgs {
-    /// What is asked of a command, None for a map: its own defaults, under the file of --from, under what was typed. Of its `axes` the typed ones count
-    /// first, then those of the file if it has as many, then its own.
+    /// What is asked of a command, None for a map. What was typed counts first, then the file of --from, then the command's own
+    /// defaults. Axes of the file count only if there are as many as the command has.
     ///
     /// # Errors
     /// If a file cannot be read, or is not what it should be.
@@ -184,7 +185,7 @@ impl ExperimentArgs {
                 (None, Some(of_file)) => of_file[index].clone(),
                 (typed, _) => {
                     let axis = typed.cloned().unwrap_or_else(asked.default);
-                    // a parameter that becomes an axis loses the value it had in the file, unless it is set here as well
+                    // a parameter that becomes an axis loses the value it had in the file
                     request.set.remove(axis.coordinate.name());
                     axis
                 }
@@ -244,11 +245,38 @@ pub struct AskedAxis<'a> {
 ///
 /// # Errors
 /// If the file has others.
-pub fn options<O: Serialize + DeserializeOwned>(typed: &O, request: &Request) -> Result<O, Failure> {
+pub fn options<O: Checked + Serialize + DeserializeOwned>(typed: &O, request: &Request) -> Result<O, Failure> {
     let mut table = request.options.clone();
     table.extend(toml::Table::try_from(typed).map_err(Failure::input)?);
     let read: Result<O, toml::de::Error> = table.try_into();
-    read.context("the options of the file").map_err(Failure::Input)
+    let options = read.context("the options of the file").map_err(Failure::Input)?;
+    options
+        .check()
+        .map_err(|reason| Failure::Input(anyhow!("the options of the file: {reason}")))?;
+    Ok(options)
+}
+
+/// Options whose values are limited: those of a file have not gone through the command line's own checks.
+pub trait Checked {
+    /// # Errors
+    /// If a value is out of its range.
+    fn check(&self) -> Result<(), String>;
+}
+
+/// Whether an option, if it is given, lies in its range.
+///
+/// # Errors
+/// If it does not.
+pub fn in_range<T: PartialOrd + Display>(name: &str, value: Option<T>, range: RangeInclusive<T>) -> Result<(), String> {
+    match value {
+        Some(value) if !range.contains(&value) => {
+            let (least, most) = range.into_inner();
+            Err(format!(
+                "{name} = {value} is out of range: it must be from {least} to {most}"
+            ))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The resolved experiment of a command with all its options, as it is written into files and printed.
@@ -349,9 +377,15 @@ pub fn range(text: &str) -> Result<[f64; 2], String> {
 
 /// The ends of a drawn axis, LOW:HIGH, the lower one first.
 pub fn limits(text: &str) -> Result<[f64; 2], String> {
-    let [low, high] = range(text)?;
+    let limits = range(text)?;
+    check_limits(limits).map(|()| limits)
+}
+
+/// # Errors
+/// If the ends are none, or in the wrong order.
+pub fn check_limits([low, high]: [f64; 2]) -> Result<(), String> {
     if low < high && low.is_finite() && high.is_finite() {
-        Ok([low, high])
+        Ok(())
     } else {
         Err(format!(
             "the limits {low}:{high} are no range: give the lower one first"
