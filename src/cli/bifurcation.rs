@@ -88,7 +88,7 @@ pub fn defaults() -> Request {
 pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
     let axis = AskedAxis {
         typed: args.x.as_ref(),
-        default: || analysis::default_axis(2400),
+        default: analysis::default_axis(2400),
     };
     let request = args.experiment.request(Some(COMMAND), &defaults(), [axis])?;
     let mut options = request::options(&args.options, &request)?;
@@ -98,8 +98,7 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
         .start
         .resolve(&options.start, &args.experiment, &experiment)?;
     let written = request::written(COMMAND, &experiment, &options);
-    if args.experiment.subject.print_experiment {
-        print_text!("{}", written.to_toml());
+    if args.experiment.subject.prints(&written) {
         return Ok(());
     }
     let (settings, axis, starts) = (&experiment.settings, &experiment.design.axes()[0], &options.start.start);

@@ -87,8 +87,7 @@ pub const HIDDEN: &[&str] = &[
 pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
     let (experiment, options) = experiment(args)?;
     let written = request::written(COMMAND, &experiment, &options);
-    if args.experiment.subject.print_experiment {
-        print_text!("{}", written.to_toml());
+    if args.experiment.subject.prints(&written) {
         return Ok(());
     }
     let (periods, samples) = (options.periods.unwrap_or(PERIODS), options.samples.unwrap_or(SAMPLES));

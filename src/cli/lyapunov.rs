@@ -78,7 +78,7 @@ const MOST_EXPONENTS: usize = 200_000;
 pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
     let axis = AskedAxis {
         typed: args.x.as_ref(),
-        default: || analysis::default_axis(601),
+        default: analysis::default_axis(601),
     };
     let request = args.experiment.request(Some(COMMAND), &analysis::defaults(), [axis])?;
     let mut options = request::options(&args.options, &request)?;
@@ -121,8 +121,7 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
     };
     options.onset_spacing = search.as_ref().ok().map(|search| search.spacing);
     let written = request::written(COMMAND, &experiment, &options);
-    if args.experiment.subject.print_experiment {
-        print_text!("{}", written.to_toml());
+    if args.experiment.subject.prints(&written) {
         return Ok(());
     }
     let starts = &options.start.start;

@@ -65,23 +65,11 @@ pub struct MapArgs {
 /// Points of a GPU map that are audited by default.
 const DEFAULT_AUDIT: u32 = 32;
 
-/// The axes of a map, unless others are asked for.
-const AXES: [fn() -> Axis; 2] = [
-    || {
-        let [x, _] = Request::default_map();
-        x
-    },
-    || {
-        let [_, y] = Request::default_map();
-        y
-    },
-];
-
 impl MapArgs {
     fn request(&self) -> Result<Request, Failure> {
         let mut experiment = self.experiment.clone();
         experiment.subject.from = self.experiment_file.clone().or(experiment.subject.from);
-        let [x, y] = AXES;
+        let [x, y] = Request::default_map();
         let axes = [(&self.x, x), (&self.y, y)].map(|(typed, default)| AskedAxis {
             typed: typed.as_ref(),
             default,
@@ -97,12 +85,11 @@ impl MapArgs {
 pub fn run(args: &MapArgs) -> Result<(), Failure> {
     let request = args.request()?;
     let experiment = request.resolve().map_err(Failure::input)?;
-    if args.experiment.subject.print_experiment {
-        let written = Request {
-            out: request.out,
-            ..experiment.request()
-        };
-        print_text!("{}", written.to_toml());
+    let written = Request {
+        out: request.out.clone(),
+        ..experiment.request()
+    };
+    if args.experiment.subject.prints(&written) {
         return Ok(());
     }
     for warning in experiment.warnings() {

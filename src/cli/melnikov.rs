@@ -199,8 +199,7 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
         range: Some([along.first(), along.last()]),
     });
     let written = request::written(COMMAND, &experiment, &options);
-    if args.subject.print_experiment {
-        print_text!("{}", written.to_toml());
+    if args.subject.prints(&written) {
         return Ok(());
     }
     let drawings: &[&str] = if options.over.is_some() {

@@ -71,8 +71,7 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
         .start
         .resolve(&options.start, &args.experiment, &experiment)?;
     let written = request::written(COMMAND, &experiment, &options);
-    if args.experiment.subject.print_experiment {
-        print_text!("{}", written.to_toml());
+    if args.experiment.subject.prints(&written) {
         return Ok(());
     }
     analysis::check_lasting(experiment.wears())?;

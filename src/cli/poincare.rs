@@ -101,8 +101,7 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     let experiment = analysis::resolve(&request)?;
     analysis::check_lasting(experiment.wears())?;
     let written = request::written(COMMAND, &experiment, &options);
-    if args.experiment.subject.print_experiment {
-        print_text!("{}", written.to_toml());
+    if args.experiment.subject.prints(&written) {
         return Ok(());
     }
     let settings = &experiment.settings;

@@ -44,8 +44,7 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
         eprintln!("warning: {warning}");
     }
     let written = request::written(COMMAND, &experiment, &options);
-    if args.experiment.subject.print_experiment {
-        print_text!("{}", written.to_toml());
+    if args.experiment.subject.prints(&written) {
         return Ok(());
     }
     if options.lifetime.is_none() && (args.out.out.is_some() || args.out.force) {

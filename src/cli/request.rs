@@ -85,6 +85,14 @@ impl SubjectArgs {
         Ok(request)
     }
 
+    /// Prints the resolved experiment if that is all that is wanted; whether it was.
+    pub fn prints(&self, written: &Request) -> bool {
+        if self.print_experiment {
+            print_text!("{}", written.to_toml());
+        }
+        self.print_experiment
+    }
+
     /// Puts what was typed over `request`.
     ///
     /// # Errors
@@ -184,7 +192,7 @@ impl ExperimentArgs {
             let axis = match (asked.typed, &of_file) {
                 (None, Some(of_file)) => of_file[index].clone(),
                 (typed, _) => {
-                    let axis = typed.cloned().unwrap_or_else(asked.default);
+                    let axis = typed.cloned().unwrap_or(asked.default);
                     // a parameter that becomes an axis loses the value it had in the file
                     request.set.remove(axis.coordinate.name());
                     axis
@@ -238,7 +246,7 @@ impl ExperimentArgs {
 /// An axis of a command.
 pub struct AskedAxis<'a> {
     pub typed: Option<&'a Axis>,
-    pub default: fn() -> Axis,
+    pub default: Axis,
 }
 
 /// A command's options: what was typed, over what its file has.
