@@ -37,7 +37,7 @@ pub enum Parameter {
 /// What the table says of one parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct ParameterInfo {
-    /// Whose row this is.
+    /// The parameter that this row describes.
     pub parameter: Parameter,
     /// The name used in commands, files and data.
     pub name: &'static str,
@@ -135,7 +135,7 @@ impl Parameter {
     }
 }
 
-/// The known name that is likely to be meant by a typed one, if any is.
+/// The known name that a typed name probably stands for; None if no known name is similar.
 pub(crate) fn nearest(typed: &str, known: impl Iterator<Item = &'static str>) -> Option<&'static str> {
     let typed = typed.to_lowercase();
     known
@@ -186,12 +186,12 @@ impl ParameterSet {
 }
 
 impl ParameterSet {
-    /// Whether friction heats the shaft or wears it: the contact pressure is then no constant.
-    pub fn is_rubbed(&self) -> bool {
+    /// Whether friction heats the shaft or wears it: the contact pressure is then not constant.
+    pub fn has_heat_or_wear(&self) -> bool {
         self[Parameter::Gamma] > 0.0 || self[Parameter::KW] > 0.0
     }
 
-    /// Whether the contact wears: the motion is then transient by nature, and its exponent one of finite time.
+    /// Whether the contact wears. The motion is then always transient, and its exponent is one of finite time.
     pub fn wears(&self) -> bool {
         self[Parameter::KW] > 0.0
     }
@@ -222,7 +222,7 @@ impl IndexMut<Parameter> for ParameterSet {
     }
 }
 
-/// Why something is no parameter, or no value of one.
+/// Why a name is not a parameter, or a number is not an admissible value of one.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages tell what each is")]
 pub enum ParameterError {

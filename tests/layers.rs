@@ -198,8 +198,6 @@ struct Used {
     path: Vec<String>,
     /// What the name is within the file, where it is imported.
     imported_as: Option<String>,
-    /// Whether the file only passes it on, by `pub use`.
-    is_passed_on: bool,
 }
 
 /// The paths of a tree such as `a::{b, c::d as e}`, each with the name by which it is known where it is imported.
@@ -292,7 +290,6 @@ fn uses(file: &str, code: &str) -> Vec<Used> {
                 _ => [module_of(file), within.clone()].concat(),
             };
             let statement = before.trim_end().strip_suffix("use").map(str::trim_end);
-            let is_passed_on = statement.is_some_and(|before| before.ends_with("pub") || before.ends_with(')'));
             for (branch, name) in branches(&code[before.len()..]) {
                 let mut path = here.clone();
                 for part in branch {
@@ -305,7 +302,6 @@ fn uses(file: &str, code: &str) -> Vec<Used> {
                 found.push(Used {
                     path,
                     imported_as: statement.filter(|_| within.is_empty()).map(|_| name),
-                    is_passed_on,
                 });
             }
         }
@@ -313,9 +309,8 @@ fn uses(file: &str, code: &str) -> Vec<Used> {
     found
 }
 
-/// Which file each file uses, as modules, and whether it only passes names on. A name that a module imports belongs to the
-/// module where it comes from.
-fn edges() -> Vec<(Vec<String>, Vec<String>, bool)> {
+/// Which file each file uses, as modules. A name that a module imports belongs to the module where it comes from.
+fn edges() -> Vec<(Vec<String>, Vec<String>)> {
     let modules: BTreeMap<Vec<String>, Vec<Used>> = sources()
         .iter()
         .filter(|(file, _)| file != "main.rs")
@@ -340,35 +335,30 @@ fn edges() -> Vec<(Vec<String>, Vec<String>, bool)> {
         }
         panic!("{path:?} is imported from itself")
     };
-    let all = modules.iter().flat_map(|(module, uses)| {
-        uses.iter()
-            .map(|used| (module.clone(), owner(&used.path), used.is_passed_on))
-    });
+    let all = modules
+        .iter()
+        .flat_map(|(module, uses)| uses.iter().map(|used| (module.clone(), owner(&used.path))));
     all.collect()
 }
 
 /// The circles among the files of each folder: a folder, and those of its files and folders that use each other, directly or
-/// in a longer circle. The folder's own file is `mod`; what it only passes on does not count.
+/// in a longer circle. The folder's own file does not count: it holds what its parts share, and names the parts.
 fn circles() -> BTreeSet<(String, Vec<String>)> {
     let edges = edges();
     let folders: BTreeSet<&[String]> = edges
         .iter()
-        .filter(|(module, ..)| !module.is_empty())
-        .map(|(module, ..)| &module[..module.len() - 1])
+        .filter(|(module, _)| !module.is_empty())
+        .map(|(module, _)| &module[..module.len() - 1])
         .collect();
     let mut circles = BTreeSet::new();
     for folder in folders {
-        let node = |module: &[String]| -> Option<String> {
-            let within = module.strip_prefix(folder)?;
-            Some(within.first().map_or("mod", String::as_str).to_owned())
-        };
+        let node = |module: &[String]| module.strip_prefix(folder)?.first().cloned();
         let mut reached: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-        for (from, to, is_passed_on) in &edges {
-            if let (Some(from_node), Some(to_node)) = (node(from), node(to))
-                && from_node != to_node
-                && !(from == folder && *is_passed_on)
+        for (from, to) in &edges {
+            if let (Some(from), Some(to)) = (node(from), node(to))
+                && from != to
             {
-                reached.entry(from_node).or_default().insert(to_node);
+                reached.entry(from).or_default().insert(to);
             }
         }
         // as many rounds as the longest way can have steps
@@ -388,75 +378,12 @@ fn circles() -> BTreeSet<(String, Vec<String>)> {
     circles
 }
 
-/// Circles that are still to be undone. None may be added.
-const KNOWN_CIRCLES: &[(&str, &[&str])] = &[
-    ("backend/cpu", &["mod", "radau", "rk4", "taylor"]),
-    (
-        "backend/gpu",
-        &[
-            "batch",
-            "buffers",
-            "context",
-            "kernels",
-            "mod",
-            "model",
-            "reduced",
-            "rubbed",
-            "shader_source",
-        ],
-    ),
-    // the list of commands, and what all of them share
-    (
-        "cli",
-        &[
-            "analysis",
-            "bench",
-            "bifurcation",
-            "completions",
-            "devices",
-            "history",
-            "lifetime",
-            "lyapunov",
-            "machine",
-            "map",
-            "melnikov",
-            "mod",
-            "onset",
-            "overlay",
-            "phase",
-            "poincare",
-            "point",
-            "render",
-            "reproduce",
-            "request",
-        ],
-    ),
-    ("design", &["axis", "coordinate"]),
-    ("dynamics/adaptive", &["accepted", "events", "orbit", "pass", "tangent"]),
-    ("engine", &["backends", "choice", "mod"]),
-    ("machine", &["description", "mod", "sensitivities"]),
-    ("model/melnikov", &["mod", "roots"]),
-    ("studies/paper", &["melnikov", "mod", "reduced", "rubbed"]),
-];
-
 #[test]
 fn no_files_of_a_folder_use_each_other_in_a_circle() {
-    let found = circles();
-    let known: BTreeSet<(String, Vec<String>)> = KNOWN_CIRCLES
-        .iter()
-        .map(|(folder, files)| {
-            (
-                (*folder).to_owned(),
-                files.iter().map(|file| (*file).to_owned()).collect(),
-            )
-        })
-        .collect();
-    let new: Vec<_> = found.difference(&known).collect();
-    assert!(new.is_empty(), "files that use each other in a circle: {new:#?}");
-    let undone: Vec<_> = known.difference(&found).collect();
+    let circles = circles();
     assert!(
-        undone.is_empty(),
-        "take these off the list of known circles: {undone:#?}"
+        circles.is_empty(),
+        "files that use each other in a circle: {circles:#?}"
     );
 }
 

@@ -153,12 +153,6 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
     ("dynamics/adaptive/accepted", "start", "the host starts peaks"),
     ("dynamics/adaptive/tangent", "start", "the host starts tangents"),
     ("dynamics/adaptive/orbit", "start", "the host starts orbits"),
-    ("dynamics/adaptive/orbit", "period", "the kernel's loop"),
-    (
-        "dynamics/adaptive/orbit",
-        "part_of_period",
-        "the kernel's loop, over whole periods",
-    ),
     ("dynamics/adaptive/orbit", "y", "the host reads it from v"),
     (
         "dynamics/adaptive/orbit",

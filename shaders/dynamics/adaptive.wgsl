@@ -1,26 +1,26 @@
-// What an instance of the rubbed bush is, apart from its state and its heat modes. Twin: src/dynamics/adaptive.rs.
+// The constants of an instance of the full model, without its heat modes. Twin: src/dynamics/adaptive.rs.
 
 // Ticks of the clock in a forcing period.
 override TICKS: u32;
 
 const TAU = 6.283185307179586;
 
-// Units of time of the linear growth of y in the longest step, times the least number of steps in a period.
+// Rate of the linear growth of y times the longest step, times the least number of steps in a period.
 const REPULSION_STEPS = 6.4;
 
 // Stands for an infinite number.
 const LARGEST = 3.4028234e38;
 
-// What one instance is, apart from its state and its heat modes.
+// The constants of one instance, without its heat modes.
 struct System {
     rubbing: Rubbing,
-    // Forcing period in units of tau, and ticks to tau.
+    // Forcing period, and one tick, in units of tau.
     period: f32,
     tick: f32,
-    // By so much more than the usual steps a period is divided into.
+    // Factor by which a period has more steps than usual: it is above 1 if the period is long or damping is negative.
     long: f32,
     surface_temperature: f32,
-    // Where there is wear, the tangent vector lives until contact is lost, and no longer.
+    // False if there is wear: the tangent vector is then carried only until contact is lost.
     lasts: bool,
 }
 
@@ -35,7 +35,7 @@ fn system_new(value: Parameters) -> System {
     );
 }
 
-// h_U at a time: 1 - exp(-delta tau^2), to rounding also where it is small.
+// h_U at a time: 1 - exp(-delta tau^2), exact to rounding also where it is small.
 fn fit(system: System, time: f32) -> f32 {
     if (system.rubbing.ramp_rate >= LARGEST) {
         return 1.0;

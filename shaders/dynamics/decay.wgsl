@@ -1,7 +1,7 @@
-// Exponential decay over a step, and what it leaves of a source that is a polynomial of time.
+// Exponential decay over a step, and the part of a source, a polynomial of time, that is left at its end.
 // Twin: src/dynamics/decay.rs.
 
-// Below this the moments come from their series, above from recursion; both are good to rounding there.
+// Below this z the moments come from their series, above it from a recursion; at it, both are exact to rounding.
 const SERIES_BOUND = 0.5;
 
 // e^-z is taken as 0 beyond this.
@@ -18,7 +18,7 @@ struct Decay {
 // The decay of a mode of rate `z` >= 0 (rate times length of the step), given 1/z as well.
 fn decay(z: f32, inverse_z: f32) -> Decay {
     let slow = z < SERIES_BOUND;
-    // of a fast mode the series gives e^{-z/64}: the built-in function may be off by more than the pressure can bear
+    // for a fast mode the series gives e^{-z/64}: the error of the built-in function may be too large for the pressure
     let series = by_series(select(min(z, LARGEST_DECAY) * (1.0 / 64.0), z, slow));
     if (slow) {
         return series;

@@ -39,8 +39,8 @@ fn cubic_slope(cubic: Cubic, s: f32) -> f32 {
     return fma(fma(3.0 * cubic.c3, s, 2.0 * cubic.c2), s, cubic.c1);
 }
 
-// Where the cubic takes the value `level`, known to lie between s = `first` (before it) and `last` (beyond it): Newton's
-// method from the secant, kept inside.
+// Where the cubic takes the value `level`. This place is known to lie between s = `first` (before it) and `last` (beyond it).
+// Newton's method starts from the secant and is kept between these.
 fn crossing(cubic: Cubic, level: f32, first: f32, last: f32) -> f32 {
     let before = cubic_at(cubic, first) - level;
     let beyond = cubic_at(cubic, last) - level;
@@ -51,7 +51,7 @@ fn crossing(cubic: Cubic, level: f32, first: f32, last: f32) -> f32 {
     return s;
 }
 
-// Whether the cubic surely stays below `level` between s = 0 and 1: its Bezier points do.
+// Whether the cubic surely stays below `level` between s = 0 and 1: true if its Bezier points do.
 fn stays_below(cubic: Cubic, level: f32) -> bool {
     let first = fma(1.0 / 3.0, cubic.c1, cubic.c0);
     let second = fma(1.0 / 3.0, cubic.c1 + cubic.c2, first);
@@ -59,15 +59,15 @@ fn stays_below(cubic: Cubic, level: f32) -> bool {
     return max(max(first, second), max(last, cubic.c0)) < level;
 }
 
-// Greatest value between s = 0 and 1 and where it is, if there is a maximum inside; else the value at 1 (that at 0 was
-// the end of the step before).
+// The greatest value between s = 0 and 1 and its place, if there is a maximum inside; else the value at 1. The value at 0 is not
+// needed: it was the end of the step before.
 fn maximum(cubic: Cubic) -> Maximum {
-    // the root of 3 c3 s^2 + 2 c2 s + c1 at which the slope falls, in the form without cancellation for c2 < 0
+    // the root of 3 c3 s^2 + 2 c2 s + c1 at which the slope falls; the sign of c2 tells which form of it has no cancellation
     let discriminant = sqrt(max(fma(cubic.c2, cubic.c2, -3.0 * cubic.c3 * cubic.c1), 0.0));
     let rising = cubic.c2 < 0.0;
     let numerator = select(-(cubic.c2 + discriminant), cubic.c1, rising);
     let denominator = select(3.0 * cubic.c3, discriminant - cubic.c2, rising);
-    // a quotient that is no number between 0 and 1 is never formed
+    // the quotient is formed only if it is between 0 and 1
     let within = (numerator > 0.0) == (denominator > 0.0) && abs(numerator) < abs(denominator);
     let s = select(1.0, numerator / select(1.0, denominator, within), within);
     let inside = cubic_at(cubic, s);

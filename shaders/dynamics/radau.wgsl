@@ -47,20 +47,20 @@ const END_SLOPE_RATE = vec2<f32>((3.0 * NODE_0 - 2.0) * NODE_0, (3.0 * NODE_1 - 
 // Weight of the embedded error estimate.
 override ERROR_WEIGHT: f32;
 
-// Newton's iterations until a trial counts as failed.
+// Number of Newton's iterations after which a trial counts as failed.
 override MAX_ITERATIONS: u32;
 
-// The thermal part of the pressure, sum w_m q_m, and sum w_m r_m q_m, by which it falls off.
+// The thermal part of the pressure, sum w_m q_m, and sum w_m r_m q_m, the rate at which it decays.
 struct Heat {
     pressure: f32,
     falloff: f32,
 }
 
-// What a step makes of the heat modes: their sums at its end, linear in the heat flux's coefficients in time.
+// The sums over the heat modes at the end of a step: they are linear in the heat flux's coefficients in time.
 struct Memory {
-    // From the state at the start alone.
+    // Sums that the state at the start alone would give.
     free: Heat,
-    // By each coefficient of the flux.
+    // Derivatives of the sums by each coefficient of the flux.
     pressure: vec3<f32>,
     falloff: vec3<f32>,
 }
@@ -84,8 +84,7 @@ struct Start {
     flux: f32,
 }
 
-// What drives a trial: its length, and at each node how much the shaft's speed and the fit h_U have grown since the
-// start.
+// The inputs of a trial: its length, and at each node the growth of the shaft's speed and of the fit h_U since the start.
 struct Drive {
     h: f32,
     speed: vec3<f32>,
@@ -97,7 +96,7 @@ struct Trial {
     converged: bool,
     x: vec3<f32>,
     v: vec3<f32>,
-    // p; and the pressure that there would be in contact, which decides whether contact returns.
+    // p; and the pressure that there would be in contact: it decides whether contact returns.
     pressure: vec3<f32>,
     if_closed: vec3<f32>,
     friction: vec3<f32>,
@@ -108,13 +107,13 @@ struct Trial {
     slope: vec3<f32>,
     // Inverse of d(residual)/d(v).
     newton: mat3x3<f32>,
-    // dp/d(p at fixed heat and wear): the answer of the pressure to a change of its own source.
+    // dp/d(p at fixed heat and wear): the response of the pressure to a change of its own source.
     response: mat3x3<f32>,
     // dp/dv.
     by_v: mat3x3<f32>,
 }
 
-// Heat at the nodes by Hermite's cubics: offsets and weights of the flux at the nodes.
+// Thermal part of the pressure at the nodes, by Hermite's cubics: offset + by_flux * (flux at the nodes).
 struct InnerHeat {
     offset: vec3<f32>,
     by_flux: mat3x3<f32>,
@@ -205,7 +204,7 @@ fn start_new(
 }
 
 fn inner_heat_new(rubbing: Rubbing, h: f32, start: Heat, start_flux: f32, memory: Memory) -> InnerHeat {
-    // by the flux at node j instead of the coefficient of s^k
+    // derivatives by the flux at node j instead of the coefficient of s^k
     let end = memory.pressure * CARDINAL;
     let end_falloff = h * (memory.falloff * CARDINAL);
     let start_slope = h * fma(rubbing.two_gamma, start_flux, -start.falloff);
@@ -222,8 +221,8 @@ fn inner_heat_new(rubbing: Rubbing, h: f32, start: Heat, start_flux: f32, memory
     );
 }
 
-// Solves a trial; `guess` are accelerations at the nodes to begin with, `closeness` what Newton's last correction may be
-// relative to the larger of |v| and the friction layer's half-width.
+// Solves a trial. `guess` are accelerations at the nodes to begin with. `closeness` is the largest allowed last correction of
+// Newton's method, relative to the larger of |v| and the friction layer's half-width.
 fn solve(rubbing: Rubbing, start: Start, drive: Drive, memory: Memory, guess: vec3<f32>, closeness: f32) -> Trial {
     let h = drive.h;
     let heat = inner_heat_new(rubbing, h, start.heat, start.flux, memory);
@@ -251,7 +250,7 @@ fn solve(rubbing: Rubbing, start: Start, drive: Drive, memory: Memory, guess: ve
             friction_slope(rubbing, piece, v[1]),
             friction_slope(rubbing, piece, v[2]),
         );
-        // p = response (closed): the flux and the wear at the nodes are linear in p
+        // in contact p = response * if_closed: the flux and the wear at the nodes are linear in p
         let slid = abs(v);
         let heated = trial.friction * v;
         trial.response = inverse(mat3x3(
@@ -300,7 +299,7 @@ fn solve(rubbing: Rubbing, start: Start, drive: Drive, memory: Memory, guess: ve
             break;
         }
     }
-    // what hangs on v was evaluated before the last correction, and follows it to its square
+    // what depends on v was evaluated before the last correction; it is corrected linearly, to an error of second order
     trial.v = v;
     trial.x += weights * correction;
     trial.pressure -= trial.by_v * correction;
@@ -315,7 +314,7 @@ fn solve(rubbing: Rubbing, start: Start, drive: Drive, memory: Memory, guess: ve
     return trial;
 }
 
-// The surface temperature's sum w_m r_m q_m at the nodes, from the balance of heat: (w . q)' = 2 gamma Q - that.
+// The sum w_m r_m q_m of the surface temperature at the nodes, from the balance of heat: (w . q)' = 2 gamma Q - (this sum).
 fn trial_falloff(trial: Trial, rubbing: Rubbing, start: Start, h: f32, end: Heat) -> vec3<f32> {
     let start_slope = h * fma(rubbing.two_gamma, start.flux, -start.heat.falloff);
     let end_slope = h * fma(rubbing.two_gamma, trial.flux[2], -end.falloff);
@@ -329,14 +328,14 @@ fn worn(trial: Trial, rubbing: Rubbing, h: f32) -> f32 {
     return rubbing.k_w * h * integral(abs(trial.v) * trial.pressure);
 }
 
-// Carries a perturbation over the step: the derivative of the step itself. Returns it at the end, without its modes, and
-// the perturbation of the flux at the nodes, which drives them.
+// Carries a perturbation over the step, by the derivative of the step itself. Returns the perturbation at the end, without its
+// heat modes, and the perturbation of the flux at the nodes, which drives these modes.
 fn perturbed(trial: Trial, rubbing: Rubbing, start: Start, h: f32, memory: Memory, at: Perturbation) -> Perturbed {
-    // the perturbed memory is the same linear map: `memory` has the perturbed modes' free sums, and what the flux adds
-    // is in `response` and `by_v` already
+    // the perturbed memory is the same linear map: `memory` has the free sums of the perturbed modes, and `response` and `by_v`
+    // already include what the flux adds
     let offset = inner_heat_new(rubbing, h, at.heat, at.flux, memory).offset;
     let free = trial.response * (start.contact * (offset + at.fit));
-    // x at the nodes without the perturbation of v there
+    // perturbation of the acceleration at the nodes if v were not perturbed there: that of x is then `at.x`
     let pull = vec3(
         stiffness(rubbing, trial.x[0]),
         stiffness(rubbing, trial.x[1]),

@@ -57,7 +57,7 @@ fn y_end(h: StepSize, y: Real, k1: Real, k2: Real, k3: Real, k4: Real) -> Real {
     return fma(fma(Real(2.0), k2 + k3, k1 + k4), h.sixth, y);
 }
 
-// The speeds less that of the bush at the start of the step.
+// The shaft speeds less the speed of the bush at the start of the step.
 fn less(speed: StageSpeeds, y: Real) -> StageSpeeds {
     return StageSpeeds(speed.start - y, speed.middle - y, speed.end - y);
 }
@@ -82,7 +82,7 @@ fn step_with_tangent(motion: Motion, h: StepSize, speed: StageSpeeds, state: Sta
     let first = bases.first;
     let second = bases.second;
 
-    // every stage is used up as soon as it is known, so that little has to be held in registers
+    // every stage is used as soon as it is known, so that few values have to be held in registers
     let v = less(speed, y);
     let f1 = linearised(motion, x, v.start, speed.start);
     let a1 = rate(first, f1);

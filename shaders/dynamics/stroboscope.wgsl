@@ -1,6 +1,6 @@
 // The period of the motion from stroboscopic states. Twin: src/dynamics/stroboscope.rs.
 
-// The motion must repeat over this many last forcing periods at least.
+// The motion must repeat at least over this number of the last forcing periods.
 override LEAST_WINDOW: u32;
 
 // Keeps the next state at drive phase 0, after `recorded` others.
@@ -8,12 +8,12 @@ fn record(instance: u32, recorded: u32, x: f32, y: f32) {
     last_states[recorded * run.instances + instance] = vec2(x, y);
 }
 
-// The last of the window's states over which a motion must repeat for k to be its period.
+// The number of the window's last states over which a motion must repeat for k to be its period.
 fn span_of(k: u32) -> u32 {
     return min(run.window, max(LEAST_WINDOW, 2u * k));
 }
 
-// Whether all states k periods apart agree, from the last ones back.
+// Whether all states that are k periods apart agree; compared from the last ones back.
 fn repeats(instance: u32, k: u32) -> bool {
     let compared = span_of(k) - k;
     for (var back = 1u; back <= compared; back++) {

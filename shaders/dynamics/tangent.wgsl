@@ -32,7 +32,7 @@ struct Orthonormalised {
     growth: Growth,
 }
 
-// A vector of length 1, and the one across it.
+// A vector of length 1, and the one perpendicular to it.
 fn bases_along(first: Vector) -> Bases {
     return Bases(first, Vector(-first.y, first.x));
 }
@@ -58,8 +58,8 @@ fn rate(vector: Vector, motion: Linearised) -> Real {
 }
 
 fn normalised(vector: Vector) -> Normalised {
-    // a vector that has shrunk below the smallest number keeps no direction: it is taken as that small; one that has
-    // overflowed stays NaN or infinite, and shows
+    // a vector that is shorter than the smallest number has lost its direction: its length is taken as the smallest number. A
+    // vector that has overflowed stays NaN or infinite, so that the overflow remains visible
     let measured = fma(vector.x, vector.x, vector.y * vector.y);
     let square = select(measured, Real(SMALLEST_SQUARE), measured < Real(SMALLEST_SQUARE));
     let norm = sqrt(square);

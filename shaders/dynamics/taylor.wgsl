@@ -1,7 +1,7 @@
 // The Taylor scheme whose steps end at the boundaries of the friction layer, around the generated text of the series.
 // Twin: src/dynamics/taylor.rs.
 
-// What does not change along an orbit, in the units of the series.
+// The constants of an orbit, in the units of the series.
 struct Flow {
     linear: Real,
     minus_b: Real,
@@ -14,9 +14,9 @@ struct Flow {
     thin: Mask,
     longest: Real,
     longest_in_layer: Real,
-    // Outside, a step is at most this over the rates met at its start.
+    // Outside the layer, a step is at most this over the rates at its start.
     free_step: Real,
-    // By which the angular speed counts as the square of a rate.
+    // The angular speed times this counts as the square of a rate.
     stiffening: Real,
 }
 
@@ -25,7 +25,7 @@ struct State {
     x: Real,
     // Angular speed times the unit of time.
     w: Real,
-    // Zeta_k sin z and zeta_k cos z, times the unit of time: advanced by rotation; a period's start sets them anew.
+    // zeta_k sin z and zeta_k cos z, times the unit of time. Steps advance them by rotation; each period sets them anew.
     drive: Real,
     drive_slope: Real,
     // Index of the piece of the friction law that v moves on.
@@ -41,14 +41,14 @@ struct Step {
     end: State,
 }
 
-// Sine and cosine of the drive's phase, times what they were times.
+// Sine and cosine of the drive's phase, with the factor that they had before the rotation.
 struct Rotated {
     sin_z: Real,
     cos_z: Real,
 }
 
-// Where a step is to end: the change of the piece's index there, the boundary that is met, and the part of the step on which
-// v comes from inside of it to outside.
+// Where a step is to end (`at`): the change of the piece's index there, the boundary that is met, and the part of the step, from
+// `start` to `stop`, in which v comes from inside the boundary to outside.
 struct Leave {
     at: Real,
     change: Real,
@@ -89,12 +89,12 @@ fn state_start(flow: Flow, x: Real, w: Real, ticks: Word) -> State {
     return State(x, w, Real(0.0), flow.zeta_k, piece_index(flow.friction, flow.omega_k - w), ticks);
 }
 
-// Takes a step: to the boundary of the piece, or as far as it may reach. A lane whose period is over stays where it is.
+// Takes a step: to the boundary of the piece, or as far as the step may reach. A lane whose period is over keeps its state.
 fn taylor_step(flow: Flow, before: State) -> Step {
     var state = before;
     let v = flow.omega_k + state.drive - state.w;
     if (is_any(flow.thin)) {
-        // a layer that is crossed in less than the least step was left behind, with v on its other side
+        // an orbit that crosses a thin layer in less than the least step misses it, and v is then on its other side
         let piece = friction_piece(flow.friction, state.piece, flow.epsilon_0);
         let margin = MISSED * flow.epsilon_0;
         let is_lost = flow.thin & ((v < piece.lower - margin) | (piece.upper + margin < v));
@@ -125,12 +125,12 @@ fn taylor_step(flow: Flow, before: State) -> Step {
     return step_end(state, series, at, leave.change);
 }
 
-// A step of about `length`, in whole ticks, and the state that it ends in, on a piece `change` further.
+// Takes a step of about `length`, in whole ticks. At its end the index of the piece has changed by `change`.
 fn step_end(state: State, series: Series, length: Real, change: Real) -> Step {
     let ticks = min(Word(max(length * TICKS_PER_UNIT, Real(LEAST_TICKS))), state.left);
     let s = Real(ticks) / TICKS_PER_UNIT;
     let drive = rotated(state.drive, state.drive_slope, s);
-    // a series that overflows is no number even at its start
+    // only lanes that run are updated: a series that overflows is NaN even at s = 0
     let runs = state.left != Word(0u);
     let end = State(
         update(state.x, x_at(series, s), runs),
@@ -143,17 +143,17 @@ fn step_end(state: State, series: Series, length: Real, change: Real) -> Step {
     return Step(series, s, end);
 }
 
-// As far as the series may be followed.
+// Length of the trial step: as far as the series may be followed.
 fn trial_step(flow: Flow, piece: Piece, series: Series, ticks_left: Word) -> Real {
     let left = Real(ticks_left) / TICKS_PER_UNIT;
     let longest = min(flow.longest, left);
     let v = series.v_0;
     let slope = series.v_1;
     let distance = select(piece.upper - v, v - piece.lower, slope < Real(0.0));
-    // a start at the boundary has just come from there
+    // an orbit that starts at the boundary has just come from there
     let way_across = select(distance, flow.epsilon_0, distance < AT_BOUNDARY * flow.epsilon_0);
     let is_in_layer = piece.upper - piece.lower < 1.5 * flow.epsilon_0;
-    // where x passes through 0 fast, its rate is that which it soon comes to
+    // where x passes through 0 fast, its rate is small for a moment only: the rate that it soon comes to is taken
     let swing = sqrt(max(abs(series.by_x_0), flow.stiffening * abs(series.w_0)));
     let rates = max(abs(series.by_w_0) + swing, SWING * swing);
     let way = select(flow.free_step, REACH * way_across, is_in_layer);
@@ -163,7 +163,7 @@ fn trial_step(flow: Flow, piece: Piece, series: Series, ticks_left: Word) -> Rea
     return select(bound, min(bound, way / speed), speed > Real(1e-30));
 }
 
-// Where v leaves the piece on the way to the trial step's end; the trial step itself if it does not.
+// Where v leaves the piece within the trial step; the end of the trial step if v does not leave it.
 fn piece_leave(flow: Flow, piece: Piece, series: Series, trial: Real) -> Leave {
     let margin = BEYOND * flow.epsilon_0;
     let lower = piece.lower - margin;
@@ -205,7 +205,8 @@ fn piece_leave(flow: Flow, piece: Piece, series: Series, trial: Real) -> Leave {
     let boundary = select(piece.lower, piece.upper, rises);
     let change = select(Real(-1.0), Real(1.0), rises);
 
-    // outward from the boundary, in parts of the half step: beyond + slope part + bend part^2, where it rises through 0
+    // distance of v outward from the boundary: beyond + slope part + bend part^2, with `part` from 0 to 1 over the half
+    // step; it is sought where this rises through 0
     let beyond = change * (v_start - boundary);
     let bend = change * 0.5 * second;
     let slope = change * (v_half_on - v_start) - bend;
@@ -213,11 +214,11 @@ fn piece_leave(flow: Flow, piece: Piece, series: Series, trial: Real) -> Leave {
     let goes_out = Real(0.0) < slope;
     let part = select(root - slope, -2.0 * beyond, goes_out) / select(2.0 * bend, slope + root, goes_out);
     let guess = clamp(fma(part, middle, start), start, stop);
-    // the parabola's slope there, which is the root, serves as that of v
+    // the parabola's slope there is `root`: it is taken for the slope of v
     let step_per_v = change * middle / root;
     let newton = clamp(fma(boundary - v_at(series, guess), step_per_v, guess), start, stop);
-    // where the parabola is no guide, Newton's step may go astray, back to where it started from: the lane then takes a
-    // part of the way, and looks again from there
+    // where the parabola is a poor estimate, Newton's step may lead back to its start: the lane then takes a part of the way,
+    // and searches again from there
     let found = (start < newton) | (part < Real(ON_BOUNDARY));
     let closer = fma(0.5 * part, middle, start);
     return Leave(
@@ -229,7 +230,7 @@ fn piece_leave(flow: Flow, piece: Piece, series: Series, trial: Real) -> Leave {
     );
 }
 
-// Where v meets the boundary of a thin layer: Newton's steps from the estimate, or halved brackets where these leave them.
+// Where v meets the boundary of a thin layer: by Newton's steps from the estimate, or by bisection where these leave the bracket.
 fn refined(flow: Flow, series: Series, leave: Leave) -> Real {
     let leaves_thin = flow.thin & (Real(0.5) < abs(leave.change));
     let tolerance = 0.1 * MISSED * flow.epsilon_0;
@@ -237,7 +238,7 @@ fn refined(flow: Flow, series: Series, leave: Leave) -> Real {
     var high = leave.stop;
     var at = leave.at;
     for (var n = 0u; n < REFINEMENTS; n++) {
-        // outward from the boundary
+        // distance of v outward from the boundary
         let beyond = leave.change * (v_at(series, at) - leave.boundary);
         let is_met = (abs(beyond) < tolerance) | !leaves_thin;
         if (!is_any(!is_met)) {
@@ -253,7 +254,7 @@ fn refined(flow: Flow, series: Series, leave: Leave) -> Real {
     return at;
 }
 
-// Passes after which a thread gives up those of its instances that have not finished their period.
+// Number of passes after which a thread gives up its instances that have not finished their period.
 fn most_passes(unit_of_time: Real) -> u32 {
     let long = max(unit_of_time * LONG_PER_UNIT, Real(1.0));
     var longest = 1.0;
@@ -263,11 +264,11 @@ fn most_passes(unit_of_time: Real) -> u32 {
     return u32(MAX_PASSES * longest);
 }
 
-// Where x turns within the step, or else x at its end.
+// The value of x where it turns within the step; if it does not turn, x at the step's end.
 fn turning(step: Step) -> Real {
     let before = step.series.w_0;
     let turns = before * step.end.w < Real(0.0);
-    // over the mean slope of w
+    // 1 over the mean slope of w
     let inverse_slope = step.s / select(Real(1.0), step.end.w - before, turns);
     let at = -(before * inverse_slope);
     let w = w_at(step.series, at);

@@ -1,10 +1,10 @@
-// Carries the rubbed bush on by some forcing periods, one thread an instance, with a tangent vector or without; where
-// they are measured, sums up growth and compares stroboscopic states.
+// Advances instances of the full model by some forcing periods, one instance in each thread, with a tangent vector or without.
+// In measured periods it sums up growth and compares stroboscopic states.
 
-// Passes that a period may take, and one longer than pi as many more: beyond, it is under-resolved.
+// Passes that a period may take, times `System.long`. An instance that needs more is under-resolved.
 override PASS_BUDGET: f32;
 
-// Passes after which it is seen to that the tangent vector's length does not leave the numbers.
+// Number of passes after which a tangent vector far from length 1 is scaled back, before it overflows or underflows.
 override SETTLING_PASSES: u32;
 
 // Begins a forcing period.
@@ -22,7 +22,7 @@ fn advance_rubbed(@builtin(global_invocation_id) thread: vec3<u32>) {
     }
     let instance = span.first_instance + thread.x;
     var orbit = orbits[instance];
-    // nothing more is asked of an instance that has been given up
+    // an instance that has been given up is not advanced any more
     if (orbit.given_up_period != 0u) {
         return;
     }

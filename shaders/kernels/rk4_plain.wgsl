@@ -1,4 +1,4 @@
-// Carries the motion alone on by some forcing periods, a lane an instance.
+// Advances the motion alone by some forcing periods, one instance in each lane.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn advance_plain(@builtin(global_invocation_id) global: vec3<u32>) {

@@ -1,5 +1,5 @@
-// Carries motion and tangent vectors on by some forcing periods, a lane an instance; where they are measured, sums up
-// growth and divergence and compares stroboscopic states. The second vector is that of checked periods; in others nothing
+// Advances motion and tangent vectors by some forcing periods, one instance in each lane. In measured periods it sums up growth
+// and divergence and compares stroboscopic states. The second vector is needed in checked periods only; in others nothing
 // depends on it, and compilers leave it out.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
@@ -26,7 +26,7 @@ fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
         var x_min = orbit.x_min;
         var x_max = orbit.x_max;
         var bases = bases_along(tangent);
-        // the period's own sums come first: added to the slot's total one by one, small terms would lose more digits
+        // sums over the period come first: small terms that are added to the instance's total one by one would lose more digits
         var both = Growth(Real(0.0), Real(0.0));
         var divergence = Real(0.0);
         var start = shaft_speed(motion, Real(0.0));

@@ -1,4 +1,4 @@
-// Carries the motion alone on by some forcing periods in Taylor steps, a lane an instance with a clock of its own.
+// Advances the motion alone by some forcing periods in Taylor steps, one instance in each lane, with a clock of its own.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn advance_plain(@builtin(global_invocation_id) global: vec3<u32>) {
@@ -17,7 +17,8 @@ fn advance_plain(@builtin(global_invocation_id) global: vec3<u32>) {
         let begun = Vector(orbit.x, orbit.y);
         var state = state_start(flow, orbit.x, orbit.y * unit, select(Word(0u), Word(TICKS_PER_PERIOD), goes_on));
         var taken = 0u;
-        // a period begins with ticks to go: asked at a pass's end, threads that go in step do not wait for an idle one
+        // a period begins with ticks to go, so that the test is made at a pass's end: threads in lockstep then do not wait for an
+        // idle pass
         loop {
             state = taylor_step(flow, state).end;
             taken++;

@@ -1,6 +1,6 @@
-// Carries motion and tangent vectors on by some forcing periods in Taylor steps, a lane an instance with a clock of its
-// own; where they are measured, sums up growth and divergence and compares stroboscopic states. Follows the second vector
-// in checked periods alone.
+// Advances motion and tangent vectors by some forcing periods in Taylor steps, one instance in each lane, with a clock of its
+// own. In measured periods it sums up growth and divergence and compares stroboscopic states. It carries the second vector in
+// checked periods only.
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
@@ -29,7 +29,8 @@ fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
         var area = area_new(first.vector);
         var divergence = Real(0.0);
         var taken = 0u;
-        // a period begins with ticks to go: asked at a pass's end, threads that go in step do not wait for an idle one
+        // a period begins with ticks to go, so that the test is made at a pass's end: threads in lockstep then do not wait for an
+        // idle pass
         loop {
             taken++;
             let runs = state.left != Word(0u);

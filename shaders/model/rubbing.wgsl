@@ -1,4 +1,4 @@
-// The bush's motion under a contact pressure that frictional heat and wear change, equations (2.1) to (2.5).
+// The bush's motion where frictional heat and wear change the contact pressure, equations (2.1) to (2.5).
 // Twin: src/model/rubbing.rs.
 
 // The system
@@ -25,7 +25,7 @@ struct Rubbing {
     ramp_rate: f32,
     // Half-width of the friction layer; NO_LAYER where there is no dry friction.
     epsilon_0: f32,
-    // The same, but 1 at most: what v is measured by in the layer.
+    // The same, but at most 1: the unit of v in the layer.
     layer: f32,
     friction: Friction,
 }
@@ -34,7 +34,8 @@ struct Rubbing {
 const NO_LAYER = 1e30;
 
 fn rubbing_new(value: Parameters) -> Rubbing {
-    let epsilon_0 = select(NO_LAYER, value.epsilon_0, 0.0 < value.epsilon * value.f_0);
+    // dry friction moves the bush by epsilon, and heats by gamma
+    let epsilon_0 = select(NO_LAYER, value.epsilon_0, 0.0 < (value.epsilon + value.gamma) * value.f_0);
     return Rubbing(
         -value.b,
         -3.0 * value.b,

@@ -1,14 +1,14 @@
-// What the host and the device share: the structs of src/backend/gpu/reduced/layout.rs, held equal by a test, and the
+// Data that the host and the device share: the structs of src/backend/gpu/reduced/layout.rs, held equal by a test, and the
 // bindings. Scalars only, so that both languages lay them out alike.
 
-// What all instances of a batch share.
+// Data that all instances of a batch share.
 struct Run {
     instances: u32,
     steps_per_period: u32,
     renormalise_every: u32,
     // Measured periods before the stroboscopic window.
     unrecorded: u32,
-    // States of that window, and the longest period that is looked for in them.
+    // Number of states in that window, and the longest period that is looked for in them.
     window: u32,
     max_period: u32,
     period_tolerance: f32,
@@ -25,9 +25,9 @@ struct Parameters {
     alpha: f32,
     beta: f32,
     epsilon_0: f32,
-    // Of rk4 each step, of taylor the longest, in units of time.
+    // Length of the steps of rk4, or of the longest step of taylor, in units of time.
     step_units: f32,
-    // The scheme's unit of time, in units of tau; of rk4 it is 1.
+    // The scheme's unit of time, in units of tau; it is 1 for rk4.
     unit_of_time: f32,
 }
 
@@ -60,13 +60,14 @@ struct Totals {
 @group(0) @binding(3) var<storage, read> birkhoff_weights: array<f32>;
 @group(0) @binding(4) var<storage, read> parameters: array<Parameters>;
 @group(0) @binding(5) var<storage, read_write> orbits: array<Orbit>;
-// The tangent vectors, of length 1, of which the second ones are across.
+// The first tangent vectors, of length 1. The second ones are perpendicular to them and are not stored.
 @group(0) @binding(6) var<storage, read_write> tangents: array<vec2<f32>>;
 @group(0) @binding(7) var<storage, read_write> totals: array<Totals>;
 // The last stroboscopic states, [slot][instance], so that neighbouring threads touch neighbouring memory.
 @group(0) @binding(8) var<storage, read_write> last_states: array<vec2<f32>>;
 
-// sin z at the middle and the end of a step of the period. Two scalars are fetched faster than an entry is taken apart.
+// sin z at the middle and the end of a step of the period. Two scalar loads are faster than the load of an entry
+// that is then taken apart.
 fn drive_at(step: u32) -> vec2<f32> {
     let at = step % 2u * 2u;
     return vec2(drive[step / 2u][at], drive[step / 2u][at + 1u]);

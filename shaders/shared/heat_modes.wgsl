@@ -1,6 +1,6 @@
-// The heat modes of a thread's instance, the lumped one last, in the thread's own memory while it is carried on: they are
-// used several times in every pass. Loops over them are written out when the shader is put together, so that they can be
-// held in registers.
+// The heat modes of a thread's instance, the lumped one last. They are in the thread's own memory during a dispatch, since
+// every pass uses them several times. Unless there are many modes, loops over them are unrolled when the shader is put
+// together, so that the modes can be held in registers.
 
 // Whether a tangent vector is carried along.
 override CARRIES_TANGENT: bool;
@@ -9,10 +9,10 @@ override CARRIES_TANGENT: bool;
 var<private> rates: array<f32, HEAT_MODES>;
 var<private> inverse_rates: array<f32, HEAT_MODES>;
 var<private> weights: array<f32, HEAT_MODES>;
-// q_m, and those of the tangent vector.
+// q_m, and the same of the tangent vector.
 var<private> modes: array<f32, HEAT_MODES>;
 var<private> tangent_modes: array<f32, HEAT_MODES>;
-// What a pass knows of each mode.
+// The decay of each mode over the step of a pass.
 var<private> steps: array<Decay, HEAT_MODES>;
 
 fn load_modes(instance: u32) {

@@ -1,5 +1,5 @@
-// The passage between the instances in memory and the lanes of a thread, which carries neighbours. Loops over lanes are
-// written out when the shader is put together.
+// Loads instances from memory into the lanes of a thread, and stores them back. A thread carries neighbouring instances.
+// Loops over lanes are unrolled when the shader is put together.
 
 // The parameters of a thread's instances.
 struct Values {
@@ -32,17 +32,17 @@ struct Sums {
     divergence: Real,
 }
 
-// Values with another one in a lane.
+// `values` with `value` in one lane.
 fn put(values: Real, lane: u32, value: f32) -> Real {
     return select(values, Real(value), LANE == Word(lane));
 }
 
-// The instance of a lane. The last thread may have lanes to spare, which read its last instance and write nothing.
+// The instance of a lane. The last thread may have spare lanes: they read its last instance and write nothing.
 fn instance_at(thread: u32, lane: u32) -> u32 {
     return span.first_instance + min(thread * LANES + lane, span.instances - 1u);
 }
 
-// The lanes that have an instance to carry on: nothing more is asked of one that has run away or was given up.
+// The lanes that have an instance to advance: one that has run away or was given up is not advanced any more.
 fn lanes_to_carry(thread: u32) -> Mask {
     var idle = Word(0u);
     for (var lane = 0u; lane < LANES; lane++) {
@@ -148,8 +148,8 @@ fn store_sums(thread: u32, carried: Mask, sums: Sums) {
     }
 }
 
-// Ends a period, counted from 1, of the lanes that went through it: notes which have run away, and which are given up
-// since the scheme left their period unfinished. Returns the lanes that go on.
+// Ends the period `period`, counted from 1, of the lanes that went through it. Notes which of them have run away, and which are
+// given up because the scheme left their period unfinished. Returns the lanes that go on.
 fn end_period(thread: u32, went_on: Mask, orbit: Orbits, unfinished: Mask, period: u32) -> Mask {
     let ran_away = went_on & has_run_away(orbit.x, orbit.y);
     let given_up = went_on & !ran_away & unfinished;
@@ -165,7 +165,7 @@ fn end_period(thread: u32, went_on: Mask, orbit: Orbits, unfinished: Mask, perio
     return went_on & !ran_away & !given_up;
 }
 
-// Orbits at a period's end; of those that ran away in it, among the lanes that went through it, as it began.
+// Orbits at a period's end. Among the lanes that went through it, those that ran away get their state at its beginning.
 fn before_escape(orbit: Orbits, begun: Vector, went_on: Mask) -> Orbits {
     let escaped = went_on & has_run_away(orbit.x, orbit.y);
     return Orbits(select(orbit.x, begun.x, escaped), select(orbit.y, begun.y, escaped), orbit.x_min, orbit.x_max);

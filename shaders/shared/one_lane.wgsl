@@ -1,4 +1,4 @@
-// What the shaders' arithmetic is written in, where a thread carries one instance. Twin: two_lanes.wgsl.
+// Types and functions for the shaders' arithmetic, where a thread carries one instance. Twin: two_lanes.wgsl.
 
 const LANES: u32 = 1u;
 
@@ -22,7 +22,7 @@ fn is_any(mask: Mask) -> bool {
     return mask;
 }
 
-// What a lane that goes on becomes. A thread that goes on has no other.
+// The new value of a lane that goes on. A thread that goes on has no other lane.
 fn update(before: Real, after: Real, goes_on: Mask) -> Real {
     return after;
 }

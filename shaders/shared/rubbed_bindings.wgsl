@@ -1,19 +1,20 @@
-// What the host and the device share where heat and wear change the pressure: the structs of
+// Data that the host and the device share where heat and wear change the pressure: the structs of
 // src/backend/gpu/rubbed/layout.rs, held equal by a test, and the bindings. Scalars only, so that both languages lay
-// them out alike. HEAT_MODES, the number of heat modes with the lumped one, is put in front of this file.
+// them out alike. The host defines HEAT_MODES, the number of heat modes with the lumped one, in front of this text.
 
-// What all instances of a batch share.
+// Data that all instances of a batch share.
 struct Run {
     instances: u32,
     // Measured periods before the stroboscopic window.
     unrecorded: u32,
-    // States of that window, and the longest period that is looked for in them.
+    // Number of states in that window, and the longest period that is looked for in them.
     window: u32,
     max_period: u32,
     period_tolerance: f32,
-    // Error of a step: of v in units of 1 outside the friction layer and of its half-width inside, of p relative.
+    // Tolerated error of a step: absolute for v outside the friction layer, in units of its half-width for v inside it, relative
+    // for p.
     tolerance: f32,
-    // Newton's last correction, relative to the larger of |v| and the friction layer's half-width.
+    // Largest allowed last correction of Newton's method, relative to the larger of |v| and the friction layer's half-width.
     newton: f32,
     // How near to a boundary of the friction layer a step must end, in half-widths of the layer.
     reach: f32,
@@ -57,7 +58,7 @@ struct Orbit {
     v: f32,
     // h_U - u_w.
     fit: f32,
-    // sum w_m q_m, and sum w_m r_m q_m, by which it falls off.
+    // sum w_m q_m, and sum w_m r_m q_m, the rate at which the former decays.
     heat_pressure: f32,
     heat_falloff: f32,
     // 1 in contact, 0 in the gap.
@@ -72,7 +73,7 @@ struct Orbit {
     step: f32,
     // Piece of the friction law: 0 below the layer, 1 and 2 its halves, 3 above.
     piece: f32,
-    // Acceleration as a quadratic in time around the last trial's start, and the time since then: guesses the next.
+    // Acceleration as a quadratic in time around the last trial's start, and the time since then: the guess for the next trial.
     guess_0: f32,
     guess_1: f32,
     guess_2: f32,
@@ -83,12 +84,12 @@ struct Orbit {
     tangent_pressure: f32,
     tangent_falloff: f32,
     tangent_flux: f32,
-    // Greatest pressure, and when: completed periods, and tau since.
+    // Greatest pressure, and its time: completed periods, and tau since.
     peak_pressure: f32,
     peak_periods: f32,
     peak_time: f32,
     peak_temperature: f32,
-    // When contact was first lost; periods are negative while it has not been.
+    // Time at which contact was first lost: completed periods, and tau since. The periods are negative while it has not been.
     lost_periods: f32,
     lost_time: f32,
     // Least and greatest x since they were last set.
@@ -96,11 +97,11 @@ struct Orbit {
     x_max: f32,
     // Forcing periods after which the motion repeats, once the run has ended; 0 if it does not.
     period: u32,
-    // 1 where the instance was given up, else 0; and the period, counted from 1, in which it was.
+    // 1 if the instance was given up for this reason, else 0; and the period, counted from 1, in which it was given up.
     under_resolved: u32,
     runaway: u32,
     given_up_period: u32,
-    // When it ran away, as a part of that period.
+    // Time at which it ran away, as a part of that period.
     runaway_phase: f32,
 }
 
@@ -114,8 +115,8 @@ struct Totals {
 @group(0) @binding(1) var<uniform> span: Span;
 @group(0) @binding(2) var<storage, read> birkhoff_weights: array<f32>;
 @group(0) @binding(3) var<storage, read> parameters: array<Parameters>;
-// These are laid out [slot][instance], so that neighbouring threads touch neighbouring memory: the heat modes, the
-// lumped one last; their state, and after it that of their tangents; the last stroboscopic states.
+// The next three are laid out [slot][instance], so that neighbouring threads touch neighbouring memory: the heat modes, the
+// lumped one last; the states q_m of the modes, followed by those of the tangent vector; the last stroboscopic states.
 @group(0) @binding(4) var<storage, read> heat_modes: array<HeatMode>;
 @group(0) @binding(5) var<storage, read_write> mode_states: array<f32>;
 @group(0) @binding(6) var<storage, read_write> last_states: array<vec2<f32>>;

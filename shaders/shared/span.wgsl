@@ -1,4 +1,4 @@
-// What every kernel is dispatched with: the struct Span of src/backend/gpu/layout.rs, held equal by a test.
+// The data of every dispatch: the struct Span of src/backend/gpu/layout.rs. A test checks that both are equal.
 
 override WORKGROUP_SIZE: u32;
 

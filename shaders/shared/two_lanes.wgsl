@@ -1,4 +1,4 @@
-// What the shaders' arithmetic is written in, where a thread carries two instances. Twin: one_lane.wgsl.
+// Types and functions for the shaders' arithmetic, where a thread carries two instances. Twin: one_lane.wgsl.
 
 const LANES: u32 = 2u;
 
@@ -22,7 +22,7 @@ fn is_any(mask: Mask) -> bool {
     return any(mask);
 }
 
-// What a lane that goes on becomes, and what it was in one that does not.
+// The new value of a lane that goes on; a lane that does not go on keeps its value.
 fn update(before: Real, after: Real, goes_on: Mask) -> Real {
     return select(before, after, goes_on);
 }

@@ -14,11 +14,11 @@ use crate::experiment::Settings;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Columns {
-    /// Every column at the same initial states.
+    /// Every column begins at the same initial states.
     Fresh,
-    /// Each where the column below it ended, as the parameter rises.
+    /// Each column begins where the column at the next lower value ended.
     FollowUp,
-    /// Each where the column above it ended, as the parameter falls: where the diagram differs from that of
+    /// Each column begins where the column at the next higher value ended. Where the diagram differs from that of
     /// [`Columns::FollowUp`], attractors coexist.
     FollowDown,
 }
@@ -26,9 +26,9 @@ pub enum Columns {
 /// Stroboscopic states at drive phase 0, column by column.
 #[derive(Clone, Debug)]
 pub struct Diagram {
-    /// One column for each of its values.
+    /// The axis; there is one column for each of its values.
     pub axis: Axis,
-    /// All else.
+    /// The values of everything that is not on the axis.
     pub fixed: Fixed,
     /// [x, y] of every measured period of every orbit, for each value of the axis.
     pub columns: Vec<Vec<[f64; 2]>>,
@@ -48,10 +48,10 @@ impl Diagram {
     }
 }
 
-/// The bifurcation diagram over `axis`, all else being that of `at`: from each of the initial states `starts`
-/// (x, y), or following the attractors that begin there, `sampling.periods` states after `settings.sampling.transient_periods` in
-/// each column. An orbit that runs away while it is followed begins anew at its initial state. None if `progress` broke the
-/// work off.
+/// The bifurcation diagram over `axis`; `at` gives everything else. The orbits begin at the initial states `starts` (x, y), or
+/// follow the attractors that are reached from there. In each column, every orbit gives `sampling.periods` states after
+/// `settings.sampling.transient_periods`. An orbit that runs away while it is followed begins again at its initial state. None if
+/// `progress` broke the work off.
 ///
 /// # Errors
 /// If the backend fails.
@@ -105,7 +105,7 @@ pub fn diagram(
     Ok(Some(diagram))
 }
 
-/// Goes on, whatever happens.
+/// A progress callback that never breaks the work off.
 pub fn carry_on(_: u64) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
@@ -149,8 +149,9 @@ mod tests {
         assert!(diagram.columns.iter().all(|column| settled(column).len() <= 8));
     }
 
-    /// At h1 = 0.5 two attractors coexist around zeta_k = 3.85: the one reached from (1, 0) is chaotic from 3.8025, the one
-    /// from (0.1, 0) from 3.8875. So a diagram tells from where it was followed, whichever way its axis is written.
+    /// At h1 = 0.5 two attractors coexist around zeta_k = 3.85: the one reached from (1, 0) is chaotic from 3.8025, the one from
+    /// (0.1, 0) from 3.8875. A diagram therefore depends on where it was followed from, but not on the direction in which its
+    /// axis is written.
     #[test]
     fn followed_attractors_show_coexistence_and_do_not_depend_on_the_axis_direction() {
         let up = compute("zeta_k=3.5:3.6:6", &[[0.1, 0.0]], Columns::FollowUp);

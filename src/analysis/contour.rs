@@ -4,16 +4,16 @@
 
 use std::collections::BTreeMap;
 
-/// The way from a point of the grid to its neighbour, which comes after it.
+/// An edge of the grid, from a point to a neighbour with a greater index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Edge {
     pub from: usize,
     pub to: usize,
 }
 
-/// The border as lines, each the edges that it crosses from one end to the other; a closed one ends with its first edge.
-/// `inside` tells of each point whether it lies within the region, rows of `columns` points each; where that is None no line
-/// passes.
+/// The border as lines. Each line is the list of edges that it crosses from one end to the other; a closed line ends with its
+/// first edge. `inside` tells for each point whether it lies within the region, in rows of `columns` points. No line passes where
+/// it is None.
 pub fn lines(inside: &[Option<bool>], columns: usize) -> Vec<Vec<Edge>> {
     let mut links: BTreeMap<Edge, Vec<Edge>> = BTreeMap::new();
     for cell in 0..inside.len().saturating_sub(columns) {
@@ -25,7 +25,7 @@ pub fn lines(inside: &[Option<bool>], columns: usize) -> Vec<Vec<Edge>> {
             links.entry(b).or_default().push(a);
         }
     }
-    // ends first: what is left when the open lines have been walked is closed
+    // ends first: when the open lines have been followed, only closed ones are left
     let (ends, others): (Vec<_>, Vec<_>) = links.keys().copied().partition(|edge| links[edge].len() == 1);
     let mut lines = Vec::new();
     for start in ends.into_iter().chain(others) {
@@ -39,7 +39,7 @@ pub fn lines(inside: &[Option<bool>], columns: usize) -> Vec<Vec<Edge>> {
             line.push(next);
             here = next;
         }
-        // else the start is a part of a line already
+        // otherwise the start already belongs to a line
         if line.len() > 1 {
             lines.push(line);
         }
@@ -64,7 +64,7 @@ fn crossed(inside: &[Option<bool>], columns: usize, cell: usize) -> Vec<[Edge; 2
     match sides[..] {
         [] => Vec::new(),
         [one, other] => vec![[edge(one), edge(other)]],
-        // a saddle: its corners inside are taken for two regions, not for one that is as narrow as can be
+        // a saddle: its two corners inside count as two regions, not as one region with a narrow connection
         _ if a => vec![[edge(3), edge(0)], [edge(1), edge(2)]],
         _ => vec![[edge(0), edge(1)], [edge(2), edge(3)]],
     }

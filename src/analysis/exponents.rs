@@ -11,9 +11,9 @@ use crate::measure::Measurement;
 /// Measurements over an axis from one initial state.
 #[derive(Clone, Debug)]
 pub struct Line {
-    /// One measurement for each of its values.
+    /// The axis; there is one measurement for each of its values.
     pub axis: Axis,
-    /// All else.
+    /// The values of everything that is not on the axis.
     pub fixed: Fixed,
     /// Initial state (x, y).
     pub start: [f64; 2],
@@ -21,8 +21,7 @@ pub struct Line {
     pub measurements: Vec<Measurement>,
 }
 
-/// Measures the points of `axis` from each of the initial states, all else being that of `at`; None if the
-/// observer broke it off.
+/// Measures the points of `axis` from each of the initial states; `at` gives everything else. None if the observer broke it off.
 ///
 /// # Errors
 /// If the backend fails and no fall-back is left.

@@ -1,24 +1,25 @@
-//! How long transient chaos lasts: from the times at which many states have settled to a mean lifetime.
+//! The mean lifetime of transient chaos, from the times at which many states have settled.
 //!
 //! Owns the statistics; follows no orbit.
 
 use super::settling::{End, Fate};
 
-/// Fewest states that are left where a decay is looked at.
+/// A decay is examined only while at least this many states are left.
 pub const LEAST_LEFT: usize = 20;
 
-/// The Kolmogorov-Smirnov distance of n values from an even distribution, over 1/(sqrt n + 0.12 + 0.11/sqrt n), that is
-/// exceeded by chance in 5 % of cases (M. A. Stephens, doi:10.1080/01621459.1974.10480196)...
+/// The Kolmogorov-Smirnov distance of n values from a uniform distribution, times (sqrt n + 0.12 + 0.11/sqrt n), exceeds this by
+/// chance in 5 % of cases (M. A. Stephens, doi:10.1080/01621459.1974.10480196)...
 const KOLMOGOROV: f64 = 1.358;
 
-/// ...and that of a single value, for which the formula is not made.
+/// ...and the distance of a single value, to which the formula does not apply, exceeds this.
 const SINGLE: f64 = 0.975;
 
-/// Part of the states that are left by which a later start of the decay has fewer.
+/// A later start of the decay is tried if the number of states left is smaller by at least this part.
 const FEWER: f64 = 0.01;
 
-/// Part of the states that settle after the time at which a decay first passes for exponential, after which it is fitted: those
-/// that settle at once, of which the test overlooks a few, are gone by then, and what is exponential remembers no start.
+/// Some states settle after the time at which a decay first passes the test for exponential. The fit begins when this part of
+/// them has settled. States that settle at once, of which the test overlooks a few, are gone by then. The later start does not
+/// bias the fit, because an exponential decay has no memory.
 const FLUSHED: f64 = 0.1;
 
 /// How many of a number of states are still chaotic over time.
@@ -28,7 +29,7 @@ pub struct Survival {
     settled: Vec<u32>,
     /// States that have not settled at the end.
     pub lasting: usize,
-    /// Forcing periods after which the end is.
+    /// Forcing periods over which the states were followed.
     pub longest: u32,
 }
 
@@ -39,26 +40,27 @@ pub enum Decay {
     Exponential(Fit),
     /// From some time on no state settles.
     Lasting {
-        /// Forcing periods after which there are no more than those that last.
+        /// Forcing periods after which only the states that last are left.
         start: u32,
         /// States that last.
         left: usize,
-        /// What the mean lifetime exceeds with a confidence of 95 %, in forcing periods: by the rule of three, a third of
-        /// the time that all states together have lasted since then.
+        /// Lower bound of the mean lifetime with a confidence of 95 %, in forcing periods. By the rule of three it is a third of
+        /// the time that all states together have lasted since `start`.
         least_lifetime: f64,
     },
-    /// While [`LEAST_LEFT`] states are left, probabilities differ from period to period, or it is not chaos that decays.
+    /// Neither of these: while at least [`LEAST_LEFT`] states are left, the probability changes from period to period, or the
+    /// decaying motion is not chaotic.
     Other,
 }
 
 /// The exponential part of a decay. Times are in forcing periods.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
-    /// Where it begins: a tenth of those that settle after the decay first passes for exponential are gone.
+    /// Where the fit begins: a tenth of the states that settle after the decay first passes the test for exponential are gone.
     pub start: u32,
     /// States that are left there.
     pub left: usize,
-    /// Those of them that settle by the end.
+    /// The number of them that settle by the end.
     pub escapes: usize,
     /// Mean lifetime of a state.
     pub lifetime: f64,
@@ -66,13 +68,13 @@ pub struct Fit {
     pub error: f64,
     /// Kolmogorov-Smirnov distance between the escapes and an exponential decay.
     pub distance: f64,
-    /// What an exponential decay itself exceeds by chance in 5 % of cases.
+    /// The distance that an exponential decay exceeds by chance in 5 % of cases.
     pub distance_limit: f64,
 }
 
 impl Survival {
-    /// Of states that have settled after the given numbers of forcing periods, and of `lasting` ones that have not by the
-    /// `longest` time.
+    /// The survival of states that have settled after the given numbers of forcing periods, and of `lasting` states that have not
+    /// settled by the `longest` time.
     pub fn new(mut settled: Vec<u32>, lasting: usize, longest: u32) -> Self {
         settled.sort_unstable();
         Self {
@@ -82,7 +84,7 @@ impl Survival {
         }
     }
 
-    /// Of orbits that were followed over `longest` forcing periods; those that were given up are left out.
+    /// The survival of orbits that were followed over `longest` forcing periods; those that were given up are left out.
     pub fn of(fates: &[Fate], longest: u32) -> Self {
         let settled = fates.iter().filter_map(|fate| match fate.end {
             End::Settled(periods) => Some(periods),
@@ -102,13 +104,14 @@ impl Survival {
         self.states() - self.settled.partition_point(|&settled| settled <= periods)
     }
 
-    /// Forcing periods after which the given part of the states has settled; None if it does not.
+    /// Forcing periods after which the given part of the states has settled; None if fewer settle.
     pub fn settled_by(&self, part: f64) -> Option<u32> {
         let index = ((part * self.states() as f64).ceil() as usize).saturating_sub(1);
         self.settled.get(index).copied()
     }
 
-    /// The times at which the number changes, the start and the end, with the states that are left from then on.
+    /// The start, the times at which the number of states left changes, and the end, each with the number of states left from
+    /// then on.
     pub fn steps(&self) -> Vec<(u32, usize)> {
         let mut times: Vec<u32> = [0]
             .iter()
@@ -120,7 +123,7 @@ impl Survival {
         times.into_iter().map(|time| (time, self.left(time))).collect()
     }
 
-    /// How the number decays from the first time on at which it does so in one of the simple ways.
+    /// How the number decays, from the first time on at which the decay is [`Decay::Exponential`] or [`Decay::Lasting`].
     pub fn decay(&self) -> Decay {
         let mut tried = f64::INFINITY;
         for (start, left) in self.steps() {
@@ -134,7 +137,7 @@ impl Survival {
                     least_lifetime: left as f64 * f64::from(self.longest - start) / 3.0,
                 };
             }
-            // starts with nearly the same states are no news
+            // a start with nearly the same states gives nothing new
             if left as f64 > (1.0 - FEWER) * tried {
                 continue;
             }
@@ -148,7 +151,7 @@ impl Survival {
         Decay::Other
     }
 
-    /// Forcing periods after which a part [`FLUSHED`] of the states that settle after `start` have done so.
+    /// Forcing periods after which the part [`FLUSHED`] of the states that settle after `start` is gone.
     fn flushed(&self, start: u32) -> u32 {
         let gone = self.settled.partition_point(|&settled| settled <= start);
         let flushed = (FLUSHED * (self.settled.len() - gone) as f64) as usize;
@@ -159,11 +162,13 @@ impl Survival {
         }
     }
 
-    /// The exponential decay from `start` on, where some state settles later; None if it is none, by its distance.
+    /// The exponential decay from `start` on, if some state settles later; None if the distance shows that the decay is not
+    /// exponential.
     ///
-    /// Every period that a state is left in is a trial, which ends its chaos with probability p, so that the most likely p is
-    /// the escapes over the trials, whatever number of states lasts, and the lifetime -1/ln(1 - p). Of equally likely trials
-    /// those that succeed are spread evenly over all, in their order: the total time on test.
+    /// Every period in which a state is left is a trial, which ends the chaos of this state with probability p. The most likely p
+    /// is therefore the number of escapes over the number of trials, however many states last. The lifetime is -1/ln(1 - p). If
+    /// all trials succeed with the same probability, the successes are spread evenly over the trials in their order, which is the
+    /// total time on test.
     fn fit(&self, start: u32) -> Option<Fit> {
         let left = self.left(start);
         let later = &self.settled[self.settled.len() - (left - self.lasting)..];
@@ -174,14 +179,14 @@ impl Survival {
             escapes,
             self.longest,
         );
-        // where none lasts, the last trial is a success in any case
+        // if no state lasts, the last trial is always a success
         let free = f64::from(u8::from(self.lasting == 0));
         let part = |count: usize| (count as f64 / (escapes as f64 - free)).min(1.0);
         let (mut distance, mut done, mut index) = (0.0f64, 0.0, 0);
         while index < escapes {
             let time = later[index];
             let next = index + later[index..].partition_point(|&other| other == time);
-            // at the ends of the period before, and of this one
+            // at the end of the period before, and at the end of this one
             for (time, count) in [(time - 1, index), (time, next)] {
                 let even = (trials_until(done, index, time) / (trials - free)).min(1.0);
                 distance = distance.max((part(count) - even).abs());
@@ -192,7 +197,7 @@ impl Survival {
         let root = (escapes as f64 - free).sqrt();
         let distance_limit = (KOLMOGOROV / (root + 0.12 + 0.11 / root)).min(SINGLE);
         let p = escapes as f64 / trials;
-        // a probability of 1 leaves nothing to tell a lifetime by
+        // a probability of 1 gives no lifetime
         if p >= 1.0 || distance > distance_limit {
             return None;
         }
@@ -215,7 +220,8 @@ impl Fit {
         (1.0 - self.error.log10().floor()).max(0.0) as usize
     }
 
-    /// States that are left after so many forcing periods by the fit, for a lifetime that differs by so many standard errors.
+    /// States that are left after `periods` forcing periods by the fit, for a lifetime that differs from the fitted one by
+    /// `errors` standard errors.
     pub fn left_after(&self, periods: f64, errors: f64) -> f64 {
         let lifetime = self.lifetime + errors * self.error;
         // no lifetime is negative
@@ -225,7 +231,7 @@ impl Fit {
 }
 
 impl Decay {
-    /// Forcing periods after which the states are those of the decay.
+    /// Forcing periods after which the decay begins; 0 for [`Decay::Other`].
     pub fn start(&self) -> u32 {
         match *self {
             Self::Exponential(Fit { start, .. }) | Self::Lasting { start, .. } => start,
@@ -234,8 +240,8 @@ impl Decay {
     }
 }
 
-/// Exponent of the motion before it settles and its standard error, per forcing period, of the states that are left at
-/// `start`; None where too few last long enough to tell.
+/// Exponent of the motion before it settles, and the standard error of the exponent, per forcing period, over the states that are
+/// left at `start`. None if too few states last long enough.
 pub fn exponent(fates: &[Fate], start: u32) -> Option<[f64; 2]> {
     let growths: Vec<[f64; 2]> = fates
         .iter()
@@ -252,7 +258,7 @@ pub fn exponent(fates: &[Fate], start: u32) -> Option<[f64; 2]> {
     }
     let [growth, periods] = [0, 1].map(|i| growths.iter().map(|of| of[i]).sum::<f64>());
     let rate = growth / periods;
-    // that of a ratio of two sums over independent states
+    // the standard error of a ratio of two sums over independent states
     let squares: f64 = growths
         .iter()
         .map(|[growth, periods]| (growth - rate * periods).powi(2))
@@ -267,7 +273,8 @@ mod tests {
 
     use super::*;
 
-    /// Times in whole periods of a decay with a lifetime, after a delay; those beyond the longest time are counted.
+    /// Random times, in whole periods, of an exponential decay after a delay, and the number of states that last beyond the
+    /// longest time.
     fn exponential(seed: u64, states: usize, delay: f64, lifetime: f64, longest: u32) -> (Vec<u32>, usize) {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         let mut settled = Vec::new();
@@ -290,7 +297,7 @@ mod tests {
         }
     }
 
-    /// Two standard errors cover the lifetime in 95 % of cases, however many states last, and of short lifetimes too.
+    /// Two standard errors cover the lifetime in 95 % of cases, however many states last, and for short lifetimes, too.
     #[test]
     fn errors_cover_what_they_claim() {
         const SEEDS: u64 = 400;
@@ -312,7 +319,7 @@ mod tests {
             assert!((0.92..=0.98).contains(&covered), "{lifetime}: {covered}");
             let bias = fits.iter().map(off).sum::<f64>() / SEEDS as f64;
             assert!(bias.abs() < 0.2, "{lifetime}: {bias}");
-            // the test of the shape rejects one in twenty; fewer where periods are long beside the lifetime
+            // the test of the shape rejects one in twenty; fewer where a period is long compared with the lifetime
             let from_the_start =
                 decays.iter().filter(|survival| survival.fit(0).is_some()).count() as f64 / SEEDS as f64;
             let most = if lifetime < 10.0 { 1.0 } else { 0.99 };
@@ -326,7 +333,7 @@ mod tests {
         let escapes = settled.len();
         let time: u32 = settled.iter().sum::<u32>() + 1000 * lasting as u32;
         let fit = Survival::new(settled, lasting, 1000).fit(0).unwrap();
-        // the textbook's values, which know no periods
+        // the textbook's values, for continuous time
         let lifetime = f64::from(time) / escapes as f64;
         assert_eq!((fit.escapes, fit.left), (escapes, 1000));
         assert!((fit.lifetime / (lifetime - 0.5) - 1.0).abs() < 1e-4);
@@ -352,7 +359,7 @@ mod tests {
         assert!((fit.lifetime - 200.0).abs() < 3.0 * fit.error, "{fit:?}");
     }
 
-    /// Too few for the test of the shape, and enough for a bias of a standard error.
+    /// The states that settle at once are too few for the test of the shape, but enough for a bias of one standard error.
     #[test]
     fn a_few_that_settle_at_once_do_not_shorten_the_lifetime() {
         const SEEDS: u64 = 200;
@@ -381,7 +388,7 @@ mod tests {
         let settled: Vec<u32> = (0..700).map(|k| 10 + k % 20).collect();
         let decay = Survival::new(settled, 300, 1029).decay();
         assert_eq!(decay, lasting_from(29, 300, 1e5));
-        // a single late one among them is no decay of the others
+        // a single late state among them does not count as a decay of the others
         let mut settled: Vec<u32> = (0..699).map(|k| 10 + k % 20).collect();
         settled.push(35);
         assert_eq!(Survival::new(settled, 300, 1035).decay(), lasting_from(35, 300, 1e5));
@@ -395,7 +402,7 @@ mod tests {
         }
     }
 
-    /// In one of twenty decays with a lifetime of the bound none of the states settles.
+    /// If the lifetime is equal to the bound, no state settles in one of twenty decays.
     #[test]
     fn the_least_lifetime_has_a_confidence_of_95_percent() {
         let Decay::Lasting { least_lifetime, .. } = Survival::new(Vec::new(), 100, 300).decay() else {

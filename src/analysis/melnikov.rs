@@ -1,6 +1,6 @@
 //! Mel'nikov's threshold over a second coordinate, and over the axes of a map.
 //!
-//! Owns which curve belongs to which axes; M and the search along one axis are [`crate::model::melnikov`]'s.
+//! Owns which curve belongs to which axes; Mel'nikov's function M and the search along one axis are [`crate::model::melnikov`]'s.
 
 use rayon::prelude::*;
 
@@ -14,18 +14,18 @@ use crate::parameters::{Parameter, ParameterSet};
 /// The threshold on one axis at each value of another.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// Along which the threshold was looked for.
+    /// The axis along which the threshold was searched.
     pub along: Axis,
-    /// At each of its values the threshold was looked for.
+    /// The other axis; the threshold was searched at each of its values.
     pub over: Axis,
-    /// All else.
+    /// The values of everything that is not on the axes.
     pub fixed: Fixed,
     /// In the order of `over`.
     pub thresholds: Vec<Threshold>,
 }
 
-/// The threshold on the rising axis `along` over `over`, all else being that of `at`; where b is not positive M changes no
-/// sign.
+/// The threshold on the rising axis `along` at each value of `over`; `at` gives everything else. Where b is not positive, M does
+/// not change sign.
 ///
 /// # Errors
 /// If both coordinates are the same, M does not depend on one of them, or no value of `over` has a homoclinic orbit.
@@ -59,17 +59,17 @@ pub fn threshold_curve(at: &Fixed, along: &Axis, over: &Axis) -> Result<Curve, C
 /// Values along either axis of a map between which the border is looked for.
 const MAP_VALUES: usize = 41;
 
-/// The border over the axes of a map between where M changes sign and where it does not, as points (x, y); NaN ends each of its
-/// pieces. Regions that are narrower than a 40th of an axis may be passed over.
+/// The border on a map between the region where M changes sign and the region where it does not, as points (x, y). NaN ends each
+/// piece of the border. Regions that are narrower than a 40th of an axis may be missed.
 ///
 /// # Errors
-/// If M depends on neither axis, has no homoclinic orbit or no meaning there, or changes sign nowhere, or everywhere, on the
-/// map.
+/// If M depends on neither axis; if there is no homoclinic orbit, or M has no meaning there; or if M changes sign nowhere, or
+/// everywhere, on the map.
 pub fn curve_over_map(experiment: &Experiment) -> Result<Vec<[f64; 2]>, CurveError> {
     let [x, y] = experiment.design.axes() else {
         return Err(CurveError::NoMap);
     };
-    if experiment.is_rubbed() {
+    if experiment.has_heat_or_wear() {
         return Err(MelnikovError::Rubbed.into());
     }
     let fixed = experiment.design.fixed;
@@ -96,7 +96,7 @@ pub fn curve_over_map(experiment: &Experiment) -> Result<Vec<[f64; 2]>, CurveErr
             },
         });
     }
-    // what takes time are the edges, of which one line may have most
+    // the edges take the time, and one line may have most of them
     let edges: Vec<Option<Edge>> = lines
         .into_iter()
         .flat_map(|line| line.into_iter().map(Some).chain([None]))
@@ -144,9 +144,9 @@ pub fn sampled(at: &ParameterSet, low: f64, high: f64, count: usize) -> Result<V
         .collect())
 }
 
-/// The axis along which a threshold is looked for unless a range is given: 0 to 20, or what of that the parameter may be; b
-/// from 0.1, since it must be positive. Of a machine's quantities the amplitude of the shaft's speed alone has one, where
-/// zeta_k is from 0 to 20.
+/// The axis along which a threshold is searched unless a range is given: 0 to 20, or the part of it that the parameter may have;
+/// b begins at 0.1, since it must be positive. Of a machine's quantities, only the amplitude of the shaft's speed has such an
+/// axis, on which zeta_k is from 0 to 20.
 pub fn default_search(at: &Fixed, coordinate: Coordinate) -> Option<Axis> {
     let (start, stop) = match coordinate {
         Coordinate::Parameter(Parameter::B) => (0.1, 20.0),
@@ -160,7 +160,7 @@ pub fn default_search(at: &Fixed, coordinate: Coordinate) -> Option<Axis> {
     Axis::even(coordinate, start, stop, SEARCH_VALUES).ok()
 }
 
-/// Values of an axis along which a threshold is looked for.
+/// Number of values of an axis along which a threshold is searched.
 pub const SEARCH_VALUES: usize = 121;
 
 /// Why there is no curve of thresholds.
@@ -201,7 +201,7 @@ mod tests {
         request.resolve().unwrap()
     }
 
-    /// The checked thresholds lie on the curve, in whichever direction the axes run.
+    /// The known thresholds lie on the curve, whatever the direction of the axes.
     #[test]
     fn the_curve_over_a_map_passes_through_the_checked_thresholds() {
         for (x, y, turned) in [
@@ -247,7 +247,7 @@ mod tests {
         );
     }
 
-    /// Damping ends the change of sign upward, so that nowhere on the map it begins along that axis.
+    /// M changes sign only below a certain damping h1: along this axis, the change of sign ends but never begins.
     #[test]
     fn a_map_without_zeta_k_has_its_border_in_all_directions() {
         let curve = curve_over_map(&experiment("omega_0=1:3:60", "h1=0:1.5:60")).unwrap();

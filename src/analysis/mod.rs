@@ -1,4 +1,4 @@
-//! Analyses of the motion beside maps: orbits, bifurcation diagrams, sections, exponents over a line, thresholds, lifetimes of
+//! Analyses of the motion besides maps: orbits, bifurcation diagrams, sections, exponents over a line, thresholds, lifetimes of
 //! chaos.
 //!
 //! Owns what is computed and in which order; integrates through [`crate::backend`] and [`crate::dynamics`] alone, and neither
@@ -19,5 +19,5 @@ use std::ops::ControlFlow;
 
 pub use crate::dynamics::history::{History, Sample, history};
 
-/// Hears how many instance-periods were done since it was last called; may break the work off.
+/// A callback: it receives the number of instance-periods that were done since its last call, and may break the work off.
 pub type Progress<'a> = dyn FnMut(u64) -> ControlFlow<()> + 'a;

@@ -2,11 +2,11 @@
 //!
 //! Owns their definition and the scan for them; measures through [`crate::engine`].
 //!
-//! A fine grid over the whole range of an axis is scanned, whatever values the axis itself has, for the first value at which
-//! the exponent of some initial state stands above a bound while its motion is classed neither as regular nor as
-//! quasi-periodic, and is chaotic in a much longer run as well. The class keeps out what an exponent over a finite window lets
-//! in far from chaos: slowly attracting cycles and quasi-periodic motion. The longer run keeps out chaos that ends. Chaos is
-//! not monotone in a parameter, so that the range is scanned, never bisected.
+//! A fine grid over the whole range of an axis is scanned, whatever values the axis itself has. The onset is the first value with
+//! chaos from some initial state. Three conditions define chaos here: the exponent is above a bound; the class is neither regular
+//! nor quasi-periodic; and the motion is chaotic in a much longer run as well. The condition on the class excludes slowly
+//! attracting cycles and quasi-periodic motion, whose exponents over a finite window may be above the bound far from chaos. The
+//! longer run excludes chaos that ends. Chaos is not monotone in a parameter, so that the range is scanned, never bisected.
 
 use crate::backend::BackendError;
 use crate::design::{Axis, Coordinate, Design, Fixed};
@@ -21,13 +21,14 @@ pub const MOST_VALUES: usize = 100_000;
 /// Forcing periods over which chaos is confirmed.
 pub const CONFIRMING_PERIODS: u32 = 2000;
 
-/// The grid by which the model's page defines the onset in zeta_k.
+/// The spacing of the grid by which docs/theory-and-paper.md defines the onset in zeta_k.
 const ZETA_K_SPACING: f64 = 0.0025;
 
-/// Values of the fine grid that are measured at a time: what lies beyond the chaos in a chunk is measured in vain.
+/// Values of the fine grid that are measured at a time. In a chunk with chaos, the values after the first chaotic one are
+/// measured in vain.
 const CHUNK: usize = 256;
 
-/// Candidates that are confirmed at a time: as many as the CPU's lanes take in the time of one.
+/// Candidates that are confirmed at a time: as many as the CPU's lanes compute in the time of one.
 const CONFIRMED_TOGETHER: usize = 32;
 
 /// What counts as chaos.
@@ -40,8 +41,8 @@ pub struct Definition {
 }
 
 impl Definition {
-    /// An exponent above 0.005 over 100 periods after 380, with the friction layer resolved: the fixed steps of rk4 are
-    /// then at least 4000 a period; those of the other schemes end at the layer's boundaries.
+    /// An exponent above 0.005 over 100 periods after 380 periods, with the friction layer resolved. For this, rk4 has at least
+    /// 4000 fixed steps in a period; the steps of the other schemes end at the layer's boundaries.
     pub fn new(settings: &Settings) -> Self {
         let mut settings = Settings {
             sampling: Sampling {
@@ -65,20 +66,21 @@ impl Definition {
         }
     }
 
-    /// Whether motion may be chaotic: over 100 periods the error is as large as the exponent, so that many are undecided.
+    /// Whether the motion may be chaotic. Undecided motion counts, too: over 100 periods the error is as large as the exponent,
+    /// so that many points are undecided.
     fn is_chaos(&self, measurement: &Measurement) -> bool {
         matches!(measurement.class, Some(Class::Chaotic | Class::Undecided))
             && measurement.lyapunov > self.least_exponent
     }
 
-    /// Whether it is, over [`CONFIRMING_PERIODS`], which leave little undecided.
+    /// Whether the motion is chaotic over [`CONFIRMING_PERIODS`], which leave few points undecided.
     fn is_confirmed(&self, again: &Measurement) -> bool {
         again.class == Some(Class::Chaotic) && self.is_chaos(again)
     }
 }
 
-/// The spacing of the fine grid where none is asked for: 0.0025 for zeta_k, or more where that makes more than
-/// [`MOST_VALUES`]; for others, and for a range of zeta_k that is shorter, the round number (1, 2 or 5 times a power of ten) at
+/// The default spacing of the fine grid. For zeta_k it is 0.0025, or more if 0.0025 gives more than [`MOST_VALUES`] values. For
+/// other coordinates, and for a range of zeta_k shorter than 0.0025, it is the round number (1, 2 or 5 times a power of ten) at
 /// or just below a thousandth of the range.
 pub fn default_spacing(axis: &Axis) -> f64 {
     let range = (axis.last() - axis.first()).abs();
@@ -88,7 +90,7 @@ pub fn default_spacing(axis: &Axis) -> f64 {
     if range / ZETA_K_SPACING < MOST_VALUES as f64 {
         return ZETA_K_SPACING;
     }
-    // two and a half times the least spacing: a round number between the two there always is
+    // there is always a round number between the least spacing and two and a half times this spacing
     round_below(2.5 * range / MOST_VALUES as f64)
 }
 
@@ -110,19 +112,19 @@ pub fn count(axis: &Axis, spacing: f64) -> f64 {
     ((high - low) / spacing + TOLERANCE).floor() + 1.0
 }
 
-/// Part of a spacing by which an end may miss a multiple that is meant to be it.
+/// Part of a spacing by which an end of the range may differ from a multiple that counts as equal to it.
 const TOLERANCE: f64 = 1e-6;
 
-/// The multiples of the spacing within the range of an axis, its ends included, rising.
+/// The multiples of the spacing within the range of an axis, its ends included, in rising order.
 ///
 /// # Panics
-/// If there is none, as there may be where the spacing exceeds the range.
+/// If there is no multiple in the range, which may happen if the spacing exceeds the range.
 pub fn fine_axis(axis: &Axis, spacing: f64) -> Axis {
     let [low, high] = axis.ends();
     let first = (low / spacing - TOLERANCE).ceil();
     let last = (high / spacing + TOLERANCE).floor();
     assert!(first <= last, "no multiple of {spacing} from {low} to {high}");
-    // multiples of a short decimal are short decimals, whose last digits are not those of the product
+    // multiples of a short decimal are short decimals; the floating-point product may differ in its last digits
     let multiple = |factor: f64| -> f64 { format!("{:.12e}", factor * spacing).parse().expect("it is a number") };
     let [start, stop] = [first, last].map(|factor| multiple(factor).clamp(low, high));
     Axis::fine(axis.coordinate, start, stop, (last - first) as usize + 1)
@@ -139,22 +141,22 @@ pub struct Found {
     pub exponent: f64,
     /// Its standard error.
     pub error: f64,
-    /// Over [`CONFIRMING_PERIODS`].
+    /// The measurement over [`CONFIRMING_PERIODS`].
     pub again: Measurement,
 }
 
-/// What a scan came to.
+/// The result of a scan.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Scanned {
-    /// The first value with chaos on the way.
+    /// The first value with chaos in the direction of the scan.
     pub found: Option<Found>,
-    /// Points, each a value and an initial state, that were passed on the way there.
+    /// Number of points, each a value and an initial state, that were passed before it.
     pub passed: usize,
     /// Of these, those that ran away or are under-resolved.
     pub unmeasured: usize,
 }
 
-/// The way along the fine grid.
+/// The direction of a scan along the fine grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
     /// From the least value to the greatest.
@@ -169,7 +171,7 @@ pub struct Scan<'a> {
     pub definition: &'a Definition,
     /// All that is not on the axis.
     pub at: &'a Fixed,
-    /// As [`fine_axis`] makes it.
+    /// The fine grid, as [`fine_axis`] makes it.
     pub axis: Axis,
     /// Initial states (x, y), tried at every value.
     pub starts: &'a [[f64; 2]],
@@ -183,8 +185,8 @@ struct Point {
 }
 
 impl Scan<'_> {
-    /// The first value, going up or down, with chaos from some initial state; chaos that does not last for
-    /// [`CONFIRMING_PERIODS`] is passed. None if the observer broke it off.
+    /// The first value, going up or down, with chaos from some initial state. Chaos that does not last for [`CONFIRMING_PERIODS`]
+    /// is passed over. None if the observer broke it off.
     ///
     /// # Errors
     /// If the backend fails and no fall-back is left.
@@ -229,7 +231,7 @@ impl Scan<'_> {
         Ok(Some(scanned))
     }
 
-    /// The place of the first of the points with chaos that lasts, and its longer measurement. The outer None means that the
+    /// The index of the first point with lasting chaos, and its measurement over the longer run. The outer None means that the
     /// observer broke it off.
     #[expect(clippy::option_option, reason = "broken off is not the same as nothing found")]
     fn first_lasting(
@@ -384,8 +386,8 @@ mod tests {
         assert_eq!(down.found.unwrap().value, 0.6);
     }
 
-    /// Beyond the boundary of its attractor, chaos lasts for some hundreds of periods: over a hundred it shows from some of many
-    /// initial states.
+    /// Beyond the boundary of its attractor, chaos lasts for some hundreds of periods. In a measurement over a hundred periods,
+    /// some of many initial states still show chaos.
     #[test]
     fn chaos_that_ends_is_passed() {
         let (definition, at, mut backends) = parts();

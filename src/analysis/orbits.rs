@@ -10,9 +10,10 @@ use crate::experiment::Settings;
 /// Longest slice, so that progress shows and the work can be broken off.
 const LONGEST_SLICE: u32 = 16;
 
-/// Carries instances from where they begin over `settings.sampling.transient_periods` and then `sampling.periods` forcing
-/// periods; `visit(instance, [x, y])` is called at the end of each of the latter, at drive phase 0, for every instance that has
-/// neither run away nor been given up. Returns the states at the end, in the order of the instances; None if `progress` broke the work off.
+/// Integrates instances from their states over `settings.sampling.transient_periods` and then `sampling.periods` forcing periods.
+/// At the end of each of the `sampling.periods`, at drive phase 0, `visit(instance, [x, y])` is called for every instance that
+/// has neither run away nor been given up. Returns the states at the end, in the order of the instances; None if `progress` broke
+/// the work off.
 ///
 /// # Errors
 /// If the backend fails, or the scheme that was asked for does not carry the heat and wear of an instance.
@@ -89,7 +90,7 @@ mod tests {
 
     #[test]
     fn stroboscopic_states_are_those_of_the_path() {
-        // radau's steps end at a path's points, and err otherwise than those between them
+        // the steps of radau end at the points of a path, so that their errors differ from those of steps without these points
         for (scheme, bound) in [(Scheme::Taylor, 1e-6), (Scheme::Rk4, 1e-6), (Scheme::Radau, 1e-3)] {
             let settings = Settings {
                 integration: scheme.into(),

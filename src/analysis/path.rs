@@ -1,6 +1,6 @@
 //! The path of one orbit.
 //!
-//! Owns the sampling of a scheme's steps; the steps are [`crate::dynamics`]'. A scheme that is added gets a branch here.
+//! Owns the sampling of a scheme's steps; the steps are [`crate::dynamics`]'. A new scheme needs a branch here.
 
 use crate::dynamics::drive::DriveTable;
 use crate::dynamics::history::{History, history};
@@ -26,18 +26,18 @@ pub struct PathPoint {
     pub is_stroboscopic: bool,
 }
 
-/// What an orbit has come along.
+/// The path of an orbit, and how it ended.
 #[derive(Clone, Debug)]
 pub struct Path {
     /// In the order of time.
     pub points: Vec<PathPoint>,
-    /// Where the orbit ran away, or the scheme gave it up, the path ends.
+    /// How the run ended. If the orbit ran away or the scheme gave it up, the path ends there.
     pub status: Status,
 }
 
 /// The path of one orbit in f64 over `sampling.periods` forcing periods after `settings.sampling.transient_periods`, with
-/// `points_per_period` points evenly in each period (of rk4, no more than it has steps), and one at the end. Radau carries
-/// frictional heat and wear; by the other schemes the pressure is 1.
+/// `points_per_period` points evenly spaced in each period (with rk4, no more than it has steps), and one point at the end. Radau
+/// includes frictional heat and wear; with the other schemes the pressure is 1.
 pub fn path(parameters: &ParameterSet, settings: &Settings, points_per_period: u32) -> Path {
     let steps = settings.integration.steps_per_period;
     match settings.integration.scheme {
@@ -54,7 +54,7 @@ pub fn path(parameters: &ParameterSet, settings: &Settings, points_per_period: u
                 settings,
                 points_per_period,
             );
-            // as everywhere, what is too stiff for taylor is left to radau
+            // as everywhere, radau takes over motion that is too stiff for taylor
             match walked.status {
                 Status::UnderResolved => follow(parameters, settings, points_per_period),
                 Status::Ok | Status::Runaway { .. } => walked,
@@ -141,7 +141,7 @@ fn walk(mut walker: impl Walker, parameters: &ParameterSet, settings: &Settings,
     Path { points, status }
 }
 
-/// Carries one orbit on, showing states on the way.
+/// Integrates one orbit, and shows states on the way.
 trait Walker {
     /// One forcing period; `sample(phase, [x, y])` is called with phases from 0, inclusive, to 1, exclusive. False if the
     /// scheme gave the orbit up.

@@ -14,8 +14,8 @@ use crate::parameters::ParameterSet;
 /// Orbits that share the work: enough to fill the lanes of all cores, few enough for the transients not to take most of it.
 pub const ORBITS: u32 = 2048;
 
-/// Half the side of the square of initial states around (x0, y0). So small that on nearly all orbits the same attractor is
-/// reached, and so large that on a chaotic one they part within some tens of periods.
+/// Half the side of the square of initial states around (x0, y0). It is so small that nearly all orbits reach the same attractor,
+/// and so large that the orbits on a chaotic attractor part within some tens of periods.
 pub const SPREAD: f64 = 1e-3;
 
 /// Forcing periods that each of the orbits needs for `points` in all.
@@ -26,7 +26,7 @@ pub fn periods(points: u64, orbits: u32) -> u32 {
 /// States of an attractor at drive phase 0.
 #[derive(Clone, Debug)]
 pub struct Section {
-    /// (x, y), one state of every orbit after the other for each period.
+    /// (x, y): for each period in turn, one state of every orbit.
     pub points: Vec<[f64; 2]>,
     /// Orbits that ran away, or that the scheme gave up as under-resolved.
     pub runaways: usize,
@@ -49,7 +49,7 @@ pub fn section(
     let [x, y] = at.initial_state();
     let instances: Vec<Instance> = (0..orbits)
         .map(|orbit| {
-            // the first begins where it was asked for
+            // the first orbit begins at (x0, y0) itself
             let [dx, dy] = if orbit == 0 {
                 [0.0; 2]
             } else {

@@ -1,6 +1,6 @@
 //! When orbits settle on a regular attractor.
 //!
-//! Owns what "still chaotic" means of an orbit that is followed to its end; makes no statistics of it.
+//! Owns what "still chaotic" means for an orbit that is followed to its end; makes no statistics of it.
 
 use rayon::prelude::*;
 
@@ -13,27 +13,27 @@ use crate::experiment::{Precision, Sampling, Scheme, Settings};
 use crate::measure::fallback;
 use crate::parameters::ParameterSet;
 
-/// An orbit has settled on the cycle that it ends on from where x and y stay this near to the cycle's, phase by phase. Cycles
-/// and chaos are of size 1; nearer, what is counted would be the approach.
+/// An orbit has settled on its final cycle from the time on at which x and y stay within this distance of the cycle's values,
+/// phase by phase. Cycles and chaos are of size 1. With a smaller distance, the lifetime would include the approach to the cycle.
 pub const NEAR: f64 = 1e-2;
 
-/// An orbit that ends on no cycle is still chaotic where a disturbance will grow by more than e to this power: on a torus its
-/// growth swings by less, and chaos grows by more within some tens of periods.
+/// An orbit that ends on no cycle is still chaotic while a disturbance will later grow by more than e to this power. On a torus
+/// the growth oscillates by less; in chaos a disturbance grows by more within some tens of periods.
 pub const SWING: f64 = 3.0;
 
-/// Periods in which the first vector turns to its direction, whose growth is not counted.
+/// Periods in which the first vector turns to its direction; its growth does not count there.
 const ALIGNING: usize = 16;
 
 /// Most states that are kept at a time: 24 bytes each.
 const MOST_KEPT: usize = 1 << 23;
 
-/// Orbits that fill the lanes of some cores.
+/// Least number of orbits in a batch: they fill the lanes of some cores.
 const LEAST_BATCH: usize = 64;
 
-/// How an orbit fared.
+/// How an orbit ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
-    /// Settled on a regular attractor, or ran away, after so many whole forcing periods, and not before.
+    /// Settled on a regular attractor, or ran away, after this many whole forcing periods, and not before.
     Settled(u32),
     /// Had not settled after all periods.
     Lasting,
@@ -41,7 +41,7 @@ pub enum End {
     GivenUp,
 }
 
-/// An orbit, followed.
+/// The result of following one orbit.
 #[derive(Clone, Copy, Debug)]
 pub struct Fate {
     /// Whether it settled, and when.
@@ -50,14 +50,14 @@ pub struct Fate {
     pub growth: [f64; 2],
 }
 
-/// Forcing periods that orbits are followed beyond the longest time, in which they show what they have settled on.
+/// Forcing periods over which orbits are followed beyond the longest time, to see on what they have settled.
 pub fn confirming(settings: &Settings) -> u32 {
     2 * most_states(settings.sampling.max_period)
 }
 
 /// Follows the orbits of the instance `at` from the states `starts`, each (x, y), over `longest` forcing periods, and as many
-/// more as [`confirming`] tells. What the scheme gives up is followed by the ones that [`fallback`] names. None if `progress` broke
-/// the work off.
+/// more as [`confirming`] tells. Orbits that the scheme gives up are followed by the schemes that [`fallback`] names. None if
+/// `progress` broke the work off.
 ///
 /// # Errors
 /// If the backend fails, or the scheme that was asked for does not carry the heat of the instance.
@@ -78,8 +78,8 @@ pub fn follow(
     let is_last = |scheme, kind| match scheme {
         Scheme::Taylor => false,
         // under heat and wear there is no other scheme
-        Scheme::Radau => at.is_rubbed() || kind == BackendKind::CpuF64,
-        // its steps were asked for as they are
+        Scheme::Radau => at.has_heat_or_wear() || kind == BackendKind::CpuF64,
+        // the user chose its steps
         Scheme::Rk4 => true,
     };
     while !is_last(scheme, kind) {
@@ -154,7 +154,7 @@ struct Track {
     states: Vec<[f64; 2]>,
     /// Logarithm of the growth of a tangent vector since the start.
     growth: Vec<f64>,
-    /// Where it ran away or was given up.
+    /// How it ended, if it ran away or was given up.
     lost: Option<End>,
 }
 
@@ -205,11 +205,11 @@ impl Track {
         Fate { end, growth }
     }
 
-    /// Forcing periods after which the orbit has settled on what it ends on.
+    /// Forcing periods after which the orbit has settled on its final attractor.
     fn settled(&self, settings: &Settings) -> u32 {
         let last = self.states.len() - 1;
         let away = if let Some(period) = self.cycle(settings) {
-            // the phase is that of the end
+            // `settled` is the state at the same phase of the last turn
             (0..last).rev().find(|n| {
                 let (state, settled) = (self.states[*n], self.states[last - (last - n) % period]);
                 (0..2).any(|i| (state[i] - settled[i]).abs() > NEAR)
@@ -224,7 +224,7 @@ impl Track {
         away.map_or(0, |n| n as u32 + 1)
     }
 
-    /// The period of the attracting cycle that the orbit ends on, as measurements have it.
+    /// The period of the attracting cycle on which the orbit ends, by the same criterion as in measurements.
     fn cycle(&self, settings: &Settings) -> Option<usize> {
         let window = most_states(settings.sampling.max_period);
         let last = self.states.len() - 1;
@@ -233,7 +233,7 @@ impl Track {
             let (state, earlier) = (tail[n as usize], tail[before as usize]);
             (0..2).all(|i| (state[i] - earlier[i]).abs() < settings.sampling.period_tolerance)
         })?;
-        // a laminar phase of chaos can pass for a cycle, but does not attract
+        // a laminar phase of chaos can look like a cycle, but it does not attract
         let turns = span_of(period, window) / period;
         let attracts = self.growth[last] < self.growth[last - (turns * period) as usize];
         attracts.then_some(period as usize)
@@ -305,7 +305,7 @@ mod tests {
         }) else {
             panic!("a torus is an end")
         };
-        // by as much earlier as SWING takes to grow
+        // earlier by the time in which a disturbance grows by SWING
         assert!((270..=300).contains(&at), "{at}");
         assert_eq!(fate(500, |n| (torus(n), swing(n))), End::Settled(0));
         assert_eq!(fate(500, |n| (torus(n), 0.05 * f64::from(n))), End::Lasting);

@@ -1,12 +1,12 @@
-//! What a run shows of the contact between bush and shaft.
+//! Data on the contact between bush and shaft during a run.
 
-/// What a run has shown of the contact between bush and shaft.
+/// The contact between bush and shaft during a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// tau_c, when the pressure first fell to 0; None where contact held to the end of the run.
+    /// tau_c, the time at which the pressure first fell to 0; None if contact held to the end of the run.
     pub lost: Option<f64>,
     pub peak_pressure: f64,
-    /// When, in tau from the start of the run.
+    /// Time of the peak pressure, in tau from the start of the run.
     pub peak_pressure_time: f64,
     /// u_w at the end of the run.
     pub final_wear: f64,
@@ -24,7 +24,7 @@ impl Contact {
         peak_temperature: 0.0,
     };
 
-    /// Nothing is known of it.
+    /// A contact about which nothing is known.
     pub const UNKNOWN: Self = Self {
         lost: None,
         peak_pressure: f64::NAN,
@@ -33,7 +33,7 @@ impl Contact {
         peak_temperature: f64::NAN,
     };
 
-    /// Names of [`Contact::status_code`].
+    /// Names of the values of [`Contact::status_code`].
     pub const NAMES: &[&str] = &["held", "lost"];
 
     /// 0 while contact holds, 1 once it is lost.

@@ -1,21 +1,21 @@
-//! What a backend carries on: a system in a state.
+//! What a backend advances in time: a system in a state.
 //!
-//! Owns where an instance begins; carries nothing on.
+//! Owns the start of an instance; advances nothing.
 
 use crate::parameters::ParameterSet;
 
-/// The system at a point, and the motion from which it is carried on.
+/// The parameters of a point, and the state from which its motion goes on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instance {
-    /// With the initial state of the point, from which the motion may have come a long way.
+    /// They include the initial state (x0, y0) of the point; the present state may be far from it.
     pub parameters: ParameterSet,
     /// (x, y), at drive phase 0.
     pub state: [f64; 2],
-    /// The first tangent vector (X, Y), of length 1; the second one stands across.
+    /// The first tangent vector (X, Y), of length 1; the second one is perpendicular to it.
     pub tangent: [f64; 2],
 }
 
-/// The tangent vector of a run that goes on from no other: the paper's first one.
+/// The tangent vector of a run that does not continue another run: the paper's first one.
 const FIRST_TANGENT: [f64; 2] = [1.0, 0.0];
 
 impl Instance {
@@ -28,7 +28,7 @@ impl Instance {
         }
     }
 
-    /// Points at the beginnings of their motion.
+    /// One instance for each point, at the beginning of its motion.
     pub fn starts(points: &[ParameterSet]) -> Vec<Self> {
         points.iter().copied().map(Self::from).collect()
     }

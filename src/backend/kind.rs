@@ -12,7 +12,7 @@ pub enum BackendKind {
 }
 
 impl BackendKind {
-    /// In the order of the variants.
+    /// Names in files, in the order of the variants.
     pub const NAMES: &[&str] = &["cpu_f64", "cpu_f32", "gpu_f32"];
 
     /// The name in files.
@@ -20,7 +20,7 @@ impl BackendKind {
         Self::NAMES[self as usize]
     }
 
-    /// Spacing of the number type above 1.
+    /// Distance from 1 to the next larger number of the number type.
     pub fn epsilon(self) -> f64 {
         match self {
             Self::CpuF64 => f64::EPSILON,

@@ -1,4 +1,4 @@
-//! Backends carry batches of instances on in time; what they sum up is turned into measurements by [`measure`](crate::measure).
+//! Backends advance batches of instances in time; [`measure`](crate::measure) turns their sums into measurements.
 //!
 //! Owns the contract between the host and a backend. Knows nothing of grids, files or progress bars.
 
@@ -17,20 +17,20 @@ pub use self::kind::BackendKind;
 use crate::dynamics::divergence_check;
 use crate::experiment::{Integration, Settings};
 
-/// Whether a scheme carries the heat and wear of some instances.
+/// Checks that a scheme can carry the heat and wear of the instances.
 ///
 /// # Errors
-/// If it does not.
+/// If it cannot.
 pub fn check_model(integration: &Integration, instances: &[Instance]) -> Result<(), BackendError> {
-    let rubbed = instances.iter().any(|instance| instance.parameters.is_rubbed());
+    let rubbed = instances.iter().any(|instance| instance.parameters.has_heat_or_wear());
     integration
         .check_model(rubbed)
         .map_err(|error| BackendError::Unsupported(error.to_string()))
 }
 
-/// Whether instances with heat or wear begin with the tangent vector that all motion begins with.
+/// Checks that instances with heat or wear start with the tangent vector (1, 0), with which every motion starts.
 fn check_tangents(instances: &[Instance]) -> Result<(), BackendError> {
-    let is_told = |instance: &Instance| instance.has_first_tangent() || !instance.parameters.is_rubbed();
+    let is_told = |instance: &Instance| instance.has_first_tangent() || !instance.parameters.has_heat_or_wear();
     if instances.iter().all(is_told) {
         Ok(())
     } else {
@@ -39,7 +39,7 @@ fn check_tangents(instances: &[Instance]) -> Result<(), BackendError> {
     }
 }
 
-/// What the forcing periods of a slice are for.
+/// The purpose of the forcing periods of a slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// The motion alone settles.
@@ -48,9 +48,9 @@ pub enum Stage {
     Align,
     /// Everything is summed up.
     Measure,
-    /// Everything is summed up, and the sum of the exponents is checked in every period: what it misses counts as often as
-    /// in the few checked periods of a measurement,
-    /// [`CHECKED_EVERY`](crate::dynamics::divergence_check::CHECKED_EVERY) times.
+    /// Everything is summed up, and the sum of the exponents is compared with the divergence in every period. The difference
+    /// counts [`CHECKED_EVERY`](crate::dynamics::divergence_check::CHECKED_EVERY) times, as in the few checked periods of a
+    /// measurement.
     Check,
 }
 
@@ -60,7 +60,7 @@ impl Stage {
         matches!(self, Self::Measure | Self::Check)
     }
 
-    /// Whether the period `index` of the stage is gone through with both tangent vectors.
+    /// Whether both tangent vectors are carried through the period `index` of the stage.
     pub fn is_checked(self, index: u32) -> bool {
         match self {
             Self::Transient | Self::Align => false,
@@ -70,7 +70,7 @@ impl Stage {
     }
 }
 
-/// Some forcing periods that a backend carries its whole batch on by.
+/// Consecutive forcing periods by which a backend advances its whole batch.
 #[derive(Clone, Copy, Debug)]
 pub struct Slice {
     pub stage: Stage,
@@ -102,24 +102,26 @@ impl Sums {
     }
 }
 
-/// What is left of an instance at the end of a run.
+/// State of an instance at the end of a run, and what the run has shown of it.
 #[derive(Clone, Copy, Debug)]
 pub struct EndState {
-    /// The last stroboscopic state; of an instance that ran away the one before it did.
+    /// The last stroboscopic state. For an instance that ran away, it is the last one before that; by radau, it is the state in
+    /// which the scheme stopped.
     pub x: f64,
     pub y: f64,
-    /// The first tangent vector (X, Y), of length 1; with heat or wear its tangent space has more dimensions, and the rest
-    /// is not here.
+    /// The first tangent vector (X, Y), of length 1. With heat or wear the tangent space has more dimensions, and this is only
+    /// a part of the vector. NaN by radau on a GPU.
     pub tangent: [f64; 2],
     pub x_min: f64,
     pub x_max: f64,
-    /// Forcing periods after which the motion repeats, at the end of a run; see
+    /// Forcing periods after which the motion at the end of the run repeats; see
     /// [`period_of`](crate::dynamics::stroboscope::period_of).
     pub period: Option<u32>,
-    /// When the instance ran away, in forcing periods since the start of the run: the end of the period in which it did,
-    /// unless the scheme knows better.
+    /// When the instance ran away, in forcing periods since the start of the run. This is the end of the period in which it ran
+    /// away, unless the scheme knows the time within the period.
     pub runaway_periods: Option<f64>,
-    /// Whether the scheme gave the instance up: its motion needed more, or shorter, steps than there may be.
+    /// Whether the scheme gave the instance up: its motion needed more steps, or shorter ones, than are allowed, or the number
+    /// type does not resolve its friction layer.
     pub under_resolved: bool,
     pub contact: Contact,
 }
@@ -128,26 +130,26 @@ pub struct EndState {
 pub trait Backend {
     fn kind(&self) -> BackendKind;
 
-    /// The device, for people: its name and what of it is used.
+    /// Description of the device for the user: its name, and which part of it is used.
     fn device(&self) -> String;
 
     /// A good number of instances for one batch: enough to fill the device, not more than it holds.
     fn batch_size(&self, settings: &Settings) -> usize;
 
-    /// Takes a new batch; what was loaded before is dropped. From the state and the tangent vector that an instance had at the
-    /// end of a run, a run whose contact pressure is constant goes on as if it had not been interrupted. Heat and wear begin
-    /// at the beginning.
+    /// Takes a new batch; the batch that was loaded before is dropped. An instance of constant contact pressure can start with
+    /// the state and the tangent vector that it had at the end of a run: it then goes on as if that run had not been
+    /// interrupted. Heat and wear always begin anew.
     ///
     /// # Errors
-    /// If the device cannot hold the batch or is lost; and if an instance with heat or wear, whose tangent space has more
-    /// dimensions, has another tangent vector than (1, 0).
+    /// If the device cannot hold the batch or is lost; also if an instance with heat or wear has another tangent vector than
+    /// (1, 0), since its tangent space has more dimensions.
     fn load(&mut self, settings: &Settings, instances: &[Instance]) -> Result<(), BackendError>;
 
-    /// Begins a new run of these settings where the batch of heat or wear stands. Only their lengths and their tolerance may be
-    /// others than those it was loaded with, and it may be no longer.
+    /// Begins a new run from the present states of a batch with heat or wear. The settings may differ from those of `load` only
+    /// in their numbers of periods and their tolerance, and the new run must not be longer.
     fn begin_anew(&mut self, settings: &Settings);
 
-    /// Carries the batch on by a slice. Slices of one stage come in order and without gaps.
+    /// Advances the batch by a slice. Slices of one stage come in order and without gaps.
     ///
     /// # Errors
     /// If the device fails; the batch is then lost.

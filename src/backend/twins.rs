@@ -1,6 +1,6 @@
-//! Holds two backends against each other over a short run.
+//! Compares two backends over a short run.
 //!
-//! Owns the comparison that tells a faulty driver from rounding; long runs are the audit's.
+//! Owns the comparison that distinguishes a faulty driver from rounding; the audit compares long runs.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -13,9 +13,9 @@ use crate::parameters::{Parameter, ParameterSet};
 #[derive(Clone, Copy, Debug)]
 pub struct Twins {
     pub instances: usize,
-    /// Of x and y: median and largest.
+    /// Median and largest difference of x and y.
     pub state: [f64; 2],
-    /// Of the tangent vectors' logarithmic growth and of the integrated divergence: median and largest.
+    /// Median and largest difference of the tangent vectors' logarithmic growth and of the integrated divergence.
     pub growth: [f64; 2],
 }
 
@@ -46,7 +46,7 @@ pub fn compare(a: &mut dyn Backend, b: &mut dyn Backend) -> Result<Twins, Backen
             .iter()
             .zip(&b)
             .flat_map(|(a, b)| index(a).iter().zip(index(b)).map(|(a, b)| (a - b).abs()))
-            // a value that is missing on one side only must not pass for agreement
+            // a value that is missing on a side (NaN) must not pass for agreement
             .map(|difference| if difference.is_nan() { f64::INFINITY } else { difference })
             .collect();
         all.sort_by(f64::total_cmp);
@@ -83,8 +83,8 @@ fn run(backend: &mut dyn Backend, instances: &[Instance]) -> Result<Vec<[f64; 5]
         .collect())
 }
 
-/// Instances with every parameter drawn from a range around its default, in which motion stays bounded and the two
-/// tangent vectors do not become parallel, to f32, between two renormalisations.
+/// Random instances: every parameter is drawn from a range around its default. In these ranges motion stays bounded, and the
+/// two tangent vectors do not become parallel, to f32, between two renormalisations.
 fn random_instances(count: usize) -> Vec<Instance> {
     use Parameter::{Alpha, B, Beta, Epsilon, Epsilon0, F0, H1, Omega0, OmegaK, X0, Y0, ZetaK};
     let mut generator = ChaCha8Rng::seed_from_u64(1);

@@ -1,16 +1,18 @@
-//! Steps of the rubbed bush: their length, where they end, and what is taken from them.
+//! Steps of the motion under changing pressure: their length, their ends, and the results taken from them.
 //!
-//! Owns what a run is controlled by and what an instance is, apart from its state; the equations of a step are
-//! [`super::radau`]'s. From the bottom to the top: [`events`] ends steps at boundaries, [`accepted`] takes their ends as the new
-//! state, [`tangent`] carries perturbations over them, [`pass`] tries one, [`orbit`] is the state and follows it over
-//! forcing periods. Twin: `shaders/dynamics/adaptive.wgsl`, as each of these has its own.
+//! Owns the settings of a run and the constants of an instance; the equations of a step are in [`super::radau`]. The modules,
+//! each built on those before it: [`events`] ends steps at boundaries, [`accepted`] takes their ends as the new state,
+//! [`tangent`] carries tangent vectors over them, [`pass`] tries one step, [`period`] follows an instance over forcing periods.
+//! [`orbit`] is the state, which all of them use. Twin: `shaders/dynamics/adaptive.wgsl`; each of these modules but [`period`] has its own
+//! twin.
 //!
-//! Every lane has its own clock and its own step: a pass tries one step in each, and keeps it where it is good.
+//! Every lane has its own clock and its own step. A pass tries one step in every lane, and accepts it in lanes where it is good.
 
 pub mod accepted;
 pub mod events;
 pub mod orbit;
 pub mod pass;
+pub mod period;
 pub mod tangent;
 
 use std::f64::consts::{PI, TAU};
@@ -23,34 +25,35 @@ use crate::lanes::Real;
 use crate::model::rubbing::{HeatModes, Rubbing};
 use crate::parameters::Parameter;
 
-/// A contact whose thermal pressure reaches this has run away: expansion feeds the friction that heats.
+/// A contact whose thermal pressure reaches this has run away: thermal expansion increases the friction, and friction the heat.
 pub const PRESSURE_BOUND: f64 = 1e9;
 
-/// Units of time of the linear growth of y in the longest step, times the least number of steps in a period.
+/// Limit of the longest step where the linear terms make y grow: growth rate times longest step times steps per period.
 const REPULSION_STEPS: f64 = 6.4;
 
 /// [`Control::swing`] at the usual tolerance.
 const SWING: f64 = 0.8;
 const USUAL_TOLERANCE: f64 = 2e-4;
 
-/// Least of [`Control::reach`]: nearer to a boundary, v changes too little over a step to be told apart in f32.
+/// Lower bound of [`Control::reach`]. Nearer to a boundary, the change of v over a step is too small for f32 to resolve.
 const LEAST_REACH: f64 = 5e-4;
 
-/// What all instances of a batch share.
+/// The settings that all instances of a batch share.
 #[derive(Clone, Copy, Debug)]
 pub struct Control<R> {
-    /// Error of a step: of v in units of 1 outside the friction layer and of its half-width inside, of p relative.
+    /// Error that a step may have. The error of v is measured in units of 1 outside the friction layer, and in units of the
+    /// layer's half-width inside it. The error of p is relative.
     pub tolerance: R,
-    /// Newton's last correction, relative to the larger of |v| and the friction layer's half-width: what is left after it
-    /// is of the order of its square, a hundredth of the tolerance.
+    /// Largest last correction of Newton's method, relative to the larger of |v| and the friction layer's half-width. The error
+    /// that remains is of the order of its square, a hundredth of the tolerance.
     pub newton: R,
-    /// How near to a boundary of the friction layer a step must end, in half-widths of the layer. On the wrong piece of
-    /// the law for so long, friction errs by the square of it, a tenth of the tolerance.
+    /// How near to a boundary of the friction layer a step must end, in half-widths of the layer. If the step uses the wrong
+    /// piece of the law over this distance, the error of friction is its square, a tenth of the tolerance.
     pub reach: R,
-    /// Longest step, in forcing periods: a sixteenth at most, for which the drive's series is made.
+    /// Longest step, in forcing periods. It is at most a sixteenth, the range of the drive's series.
     pub longest_step_periods: R,
-    /// Longest step in tau, times the slower of the two rates of the bush's motion: what it rests on may be smooth where the tangent
-    /// is not.
+    /// Longest step in tau, times the slower of the two rates of the linearised motion. The error control sees only the motion,
+    /// which may be smooth where the tangent vector is not.
     pub swing: R,
 }
 
@@ -67,31 +70,32 @@ impl<R: Real> Control<R> {
     }
 }
 
-/// What one instance is, apart from its state.
+/// The constants of one instance.
 #[derive(Clone, Debug)]
 pub struct System<R> {
     pub rubbing: Rubbing<R>,
-    /// Forcing period in units of tau, and ticks to tau.
+    /// The forcing period and a tick, in units of tau.
     period: R,
     tick: R,
-    /// By so much more than the usual steps a period is divided into where it is longer than pi, the paper's, or damping is
-    /// negative. A step that the motion's error allows may be too long for the tangent, which swings in the wells, or grows,
-    /// where the motion rests.
+    /// Factor, at least 1, by which a period is divided into more steps than usual if it is longer than pi (the period of the
+    /// paper) or if damping is negative. A step that the error of the motion allows may be too long for the tangent vector: where
+    /// the motion rests, the tangent vector swings in the wells, or grows.
     long: R,
-    /// 1 in lanes in which there is heat or wear, else 0: there the pressure is constant.
-    pub is_rubbed: R,
+    /// 1 in lanes with heat or wear; 0 in the others, where the pressure is constant.
+    pub has_heat_or_wear: R,
     rates: Vec<R>,
     inverse_rates: Vec<R>,
     weights: Vec<R>,
     surface_temperature: R,
     /// Whether any lane's fit is a ramp.
     ramps: bool,
-    /// 0 in lanes that wear, else 1: there the tangent vector lives until contact is lost, and no longer.
+    /// 0 in lanes with wear, else 1. With wear, the tangent vector is followed only until contact is lost.
     lasts: R,
 }
 
 impl<R: Real> System<R> {
-    /// The system with the parameters that `value` gives, and each lane's heat modes, all of the same number.
+    /// The system with the parameters that `value` gives and the heat modes of each lane. All lanes have the same number of
+    /// modes.
     pub fn new<'a>(value: impl Fn(Parameter) -> R, modes: impl Fn(usize) -> &'a HeatModes) -> Self {
         let rubbing = Rubbing::new(&value);
         let period = R::splat(TAU) / value(Parameter::Omega0);
@@ -107,7 +111,7 @@ impl<R: Real> System<R> {
             long: (period * R::splat(1.0 / PI))
                 .max(period * repulsion * R::splat(1.0 / REPULSION_STEPS))
                 .max(R::splat(1.0)),
-            is_rubbed: R::select(
+            has_heat_or_wear: R::select(
                 R::splat(0.0).less(rubbing.k_w + rubbing.two_gamma),
                 R::splat(1.0),
                 R::splat(0.0),
@@ -119,7 +123,7 @@ impl<R: Real> System<R> {
         }
     }
 
-    /// h_U at a time: 1 - exp(-delta tau^2), to rounding also where it is small.
+    /// h_U at a time: 1 - exp(-delta tau^2), accurate to rounding even if it is small.
     #[inline(always)]
     fn fit(&self, time: R) -> R {
         if !self.ramps {

@@ -1,13 +1,13 @@
-//! Exponential decay over a step, and what it leaves of a source that is a polynomial of time.
+//! Exponential decay over a step, and the response of a decaying mode to a source that is a polynomial of time.
 //!
 //! Owns the functions that make the linear heat modes exact; knows no physics. Twin: `shaders/dynamics/decay.wgsl`.
 
 use crate::lanes::{Mask, Real};
 
-/// Below this the moments come from their series, above from recursion; both are good to rounding there.
+/// Below this z the moments come from their series, above it from the recursion. At this z both are accurate to rounding.
 const SERIES_BOUND: f64 = 0.5;
 
-/// e^-z is taken as 0 beyond this.
+/// Beyond this z, e^-z is taken as e^-40, which is 0 to rounding.
 const LARGEST: f64 = 40.0;
 
 /// SERIES[n]: coefficient of z^n in I_2, (-1)^n 2!/(n+3)!.
@@ -31,7 +31,7 @@ pub struct Decay<R> {
 }
 
 impl<R: Real> Decay<R> {
-    /// Room for one.
+    /// An empty value, to be filled.
     pub fn empty() -> Self {
         Self {
             factor: R::splat(0.0),
@@ -46,11 +46,11 @@ pub(super) fn single<R: Real>() -> bool {
     size_of::<R::Scalar>() == 4
 }
 
-/// The decay of a mode of rate `z` >= 0 (rate times length of the step), given 1/z as well.
+/// The decay of a mode over a step. `z` >= 0 is the rate times the length of the step, `inverse_z` is 1/z.
 #[inline(always)]
 pub fn decay<R: Real>(z: R, inverse_z: R) -> Decay<R> {
     let slow = z.less(R::splat(SERIES_BOUND));
-    // of a fast mode the series gives e^{-z/64}
+    // for a fast mode, the series only gives e^{-z/64}
     let part = z.min(R::splat(LARGEST)) * R::splat(1.0 / 64.0);
     let series = by_series(R::select(slow, z, part));
     if slow.all() {

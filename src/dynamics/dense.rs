@@ -46,8 +46,8 @@ impl<R: Real> Cubic<R> {
         (R::splat(3.0) * c3).mul_add(s, R::splat(2.0) * c2).mul_add(s, c1)
     }
 
-    /// Where the cubic takes the value `level`, known to lie between s = `from` (before it) and `to` (beyond it):
-    /// Newton's method from the secant, kept inside.
+    /// Where the cubic takes the value `level`. The crossing must lie between s = `from` and s = `to`. Newton's method starts
+    /// from the secant and is kept inside this interval.
     #[inline(always)]
     pub fn crossing(&self, level: R, from: R, to: R) -> R {
         let (before, beyond) = (self.at(from) - level, self.at(to) - level);
@@ -58,7 +58,7 @@ impl<R: Real> Cubic<R> {
         s
     }
 
-    /// Whether the cubic surely stays below `level` between s = 0 and 1: its Bezier points do.
+    /// Whether the cubic surely stays below `level` between s = 0 and 1: true if its Bezier points do.
     #[inline(always)]
     pub fn stays_below(&self, level: R) -> R::Mask {
         let [c0, c1, c2, c3] = self.coefficients;

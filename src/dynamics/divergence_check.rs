@@ -1,25 +1,25 @@
-//! The exponents' sum against the mean divergence, in some of the measured periods.
+//! Comparison of the exponents' sum with the mean divergence, in some of the measured periods.
 //!
-//! Owns which periods are gone through with both tangent vectors, and what these say of the others; steps nothing. Twin:
+//! Owns which periods are computed with both tangent vectors, and what they tell about the others; takes no steps. Twin:
 //! `shaders/dynamics/divergence_check.wgsl`.
 //!
-//! The area that two tangent vectors span grows by the integral of the divergence. Where that is taken for granted, one
-//! vector tells both exponents at half the cost; where both are followed, it checks the scheme.
+//! The logarithm of the area that two tangent vectors span grows by the integral of the divergence. If this is taken for granted,
+//! one vector gives both exponents at half the cost. If both vectors are followed, it is a check of the scheme.
 
 use super::tangent::Growth;
 use crate::lanes::Real;
 
-/// One of so many measured periods is gone through with both tangent vectors: a check of every point at a small part of its
-/// cost. A prime, so that a cycle is met at all of its periods in turn.
+/// One in this many measured periods is computed with both tangent vectors. This checks every point at a small part of its cost.
+/// The number is prime, so that on a cycle the checks come to each of its periods in turn.
 pub const CHECKED_EVERY: u32 = 17;
 
-/// Whether the measured period `index` is gone through with both tangent vectors.
+/// Whether the measured period `index` is computed with both tangent vectors.
 pub fn is_checked(index: u32) -> bool {
-    // in the shortest measurement, too
+    // so that the shortest measurement has a check, too
     index % CHECKED_EVERY == CHECKED_EVERY / 2
 }
 
-/// How many periods from `index` on are gone through alike.
+/// How many periods from `index` on are computed in the same way, with one tangent vector or with both.
 pub fn alike(index: u32) -> u32 {
     if is_checked(index) {
         return 1;
@@ -28,15 +28,15 @@ pub fn alike(index: u32) -> u32 {
     CHECKED_EVERY - since
 }
 
-/// Growth over a period with one tangent vector: the second one's is what the divergence leaves to it.
+/// Growth over a period with one tangent vector: that of the second is the divergence less that of the first.
 #[inline(always)]
 pub fn growth_of_first<R: Real>(first: R, divergence: R) -> Growth<R> {
     let second = divergence - first;
     Growth { first, second }
 }
 
-/// Growth over a checked period: by how much that of `both` misses the divergence counts for all periods up to the next such
-/// one.
+/// Growth over a checked period. The amount by which the growth of `both` misses the divergence counts for all periods up to the
+/// next check.
 #[inline(always)]
 pub fn checked_growth<R: Real>(both: Growth<R>, divergence: R) -> Growth<R> {
     let defect = both.first + both.second - divergence;

@@ -1,7 +1,7 @@
 //! The drive's clock for schemes of fixed step.
 //!
-//! Owns sin z at every stage of every step of a forcing period: with a whole number of steps in a period, one table
-//! serves every instance whatever its omega_0, and time never grows into a large sum.
+//! Owns sin z, with z the phase of the drive, at every stage of every step of a forcing period. A period has a whole number of
+//! steps, so that one table serves every instance, whatever its omega_0, and time never grows into a large sum.
 
 use std::f64::consts::TAU;
 

@@ -1,19 +1,19 @@
-//! Floquet multipliers of a cycle, from how it turns one tangent vector.
+//! Floquet multipliers of a cycle, from two turns of one tangent vector.
 //!
-//! Owns the passage from growths and directions over two turns of a cycle to the eigenvalues of its monodromy matrix M, the
-//! tangent map of one turn; integrates nothing.
+//! Owns the eigenvalues of the monodromy matrix M, the tangent map of one turn, from growths and directions over two turns;
+//! integrates nothing.
 //!
-//! The matrix itself is not needed. A plane flow's M obeys M^2 = (trace) M - (determinant) (Cayley and Hamilton), so that a
-//! vector v0 with v1 = M v0 and v2 = M v1 has v2 = (trace) v1 - (determinant) v0; and the determinant is the product of
-//! both vectors' growth.
+//! The matrix itself is not needed. In the plane, M obeys M^2 = (trace) M - (determinant) (Cayley and Hamilton). For every vector
+//! v0, v1 = M v0 and v2 = M v1 therefore obey v2 = (trace) v1 - (determinant) v0. The determinant is the product of the growth of
+//! both tangent vectors.
 
-/// A turn of a cycle, as it changes the tangent vectors.
+/// The change of the tangent vectors in one turn of a cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn {
     /// Direction of the first vector before and after, of length 1.
     pub from: [f64; 2],
     pub to: [f64; 2],
-    /// Logarithms of the growth of the first vector, and of the second across it.
+    /// Logarithms of the growth of the first vector, and of the second, perpendicular to it.
     pub growth: [f64; 2],
 }
 
@@ -28,16 +28,16 @@ pub struct Multipliers {
     log_scale: f64,
 }
 
-/// Above this logarithm cosh is half of exp, to rounding.
+/// If the logarithm of cosh is above this, cosh is half of exp, to rounding.
 const LARGE: f64 = 20.0;
 
 impl Multipliers {
-    /// Of a cycle that has turned twice, the second turn beginning where the first ends.
+    /// From two turns of a cycle; the second begins where the first ends.
     pub fn new(first: &Turn, second: &Turn) -> Self {
         let half = 0.25 * (first.growth.iter().sum::<f64>() + second.growth.iter().sum::<f64>());
         let [v0, v1, v2] = [first.from, first.to, second.to];
-        // the component of v2 = (trace) v1 - (determinant) v0 along v1, over the length of v1; its greatest factor is kept as a
-        // logarithm, for over long turns it overflows
+        // the component of v2 = (trace) v1 - (determinant) v0 along v1, divided by the length of v1, gives the trace; its
+        // greatest factor is kept as a logarithm, because it overflows over long turns
         let logs = [second.growth[0] - half, half - first.growth[0]];
         let greatest = logs[0].max(logs[1]);
         let trace = (logs[0] - greatest).exp() * dot(v2, v1) + (logs[1] - greatest).exp() * dot(v0, v1);
@@ -48,9 +48,9 @@ impl Multipliers {
         }
     }
 
-    /// ln |mu_1| and ln |mu_2|; over the length of a turn they are the exponents.
+    /// ln |mu_1| and ln |mu_2|; divided by the time of a turn, they are the exponents.
     pub fn log_moduli(&self) -> [f64; 2] {
-        // the cosine of an angle where it is below 1, and else a hyperbolic one; NaN stays
+        // the half trace is the cosine of an angle if it is below 1, and else a hyperbolic cosine; NaN stays NaN
         let log = self.half_trace.abs().ln() + self.log_scale;
         let spread = if log > LARGE {
             log + std::f64::consts::LN_2
@@ -62,7 +62,7 @@ impl Multipliers {
         [self.half_log_determinant + spread, self.half_log_determinant - spread]
     }
 
-    /// mu_1 where it is real, and else 0: by this the distance from an attracting cycle shrinks in a turn.
+    /// mu_1 if it is real, else 0: the factor of the distance from an attracting cycle in one turn.
     pub fn leading(&self) -> f64 {
         let scaled_trace = self.half_trace * self.log_scale.min(LARGE).exp();
         if scaled_trace.abs() < 1.0 {
@@ -72,7 +72,7 @@ impl Multipliers {
         }
     }
 
-    /// |1 - mu_1|: by how much less than its distance from an attracting cycle an orbit moves in a turn.
+    /// |1 - mu_1|: the distance that an orbit moves in a turn, over its distance from an attracting cycle.
     pub fn distance_from_one(&self) -> f64 {
         let modulus = self.log_moduli()[0].exp();
         // the cosine of mu_1's angle: 1 or -1 for real multipliers
@@ -91,7 +91,7 @@ mod tests {
 
     use super::*;
 
-    /// Turns of a vector by a matrix, as a run sees them.
+    /// Two turns of a vector by a matrix, as a run gives them.
     fn turns(matrix: Matrix2<f64>, start: Vector2<f64>) -> [Turn; 2] {
         let mut vector = start.normalize();
         [(); 2].map(|()| {

@@ -32,14 +32,14 @@ pub struct Sample {
 /// A run, sampled in equal steps.
 #[derive(Clone, Debug)]
 pub struct History {
-    /// Over the periods that are shown, both ends included; they break off where the instance was given up. If that was
-    /// before those periods, the last one before is left.
+    /// The samples of the shown periods, both ends included. They end where the instance was given up. If that was before the
+    /// shown periods, only the last sample before it is left.
     pub samples: Vec<Sample>,
     /// tau_c, when contact was first lost.
     pub contact_lost: Option<f64>,
-    /// Whether the pressure ran away, or the motion needed more or shorter steps than there may be.
+    /// Whether the instance was given up: the motion or the pressure ran away, or too many or too short steps were needed.
     pub given_up: bool,
-    /// Whether it was the pressure.
+    /// Whether the pressure ran away.
     pub pressure_ran_away: bool,
     /// When the motion or the pressure ran away, in tau.
     pub runaway: Option<f64>,
@@ -50,8 +50,8 @@ pub struct History {
     pub peak_temperature: f64,
 }
 
-/// Follows an instance from its initial state to the end of the forcing periods `shown`, and samples it `samples` times in
-/// each of these. What comes before is cut into the same steps.
+/// Follows an instance from its initial state to the end of the forcing periods `shown`, and samples it `samples` times in each
+/// of them. The periods before are divided in the same way.
 ///
 /// # Panics
 /// If `samples` is 0.

@@ -1,10 +1,12 @@
 //! Vectors and matrices of order three over lanes, for the three nodes of a collocation step.
 //!
-//! Owns their products and inverse, no more: nalgebra's are over its own scalars. Twin: WGSL's built-in `mat3x3`.
+//! Owns their products and inverse, no more; nalgebra works on its own scalar types, not on lanes. Twin: WGSL's built-in
+//! `mat3x3`.
 
 use crate::lanes::Real;
 
-/// The three values of an expression in the index of a node. A closure would not surely get the caller's instruction set.
+/// The values of an expression at the three nodes; it contains the index of the node. A macro, because a closure might not be
+/// compiled for the caller's instruction set.
 macro_rules! at_nodes {
     ($node:ident => $value:expr) => {
         [
@@ -56,7 +58,7 @@ fn cofactor<R: Real>(a: R, b: R, c: R, d: R) -> R {
     a.mul_add(d, -(b * c))
 }
 
-/// The inverse by cofactors: the matrices here are near the identity, or dominated by what damps.
+/// The inverse by cofactors. This is accurate enough here: the matrices are near the identity, or dominated by damping.
 #[inline(always)]
 pub fn inverse<R: Real>(m: &Matrix<R>) -> Matrix<R> {
     let first = [

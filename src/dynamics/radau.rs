@@ -1,14 +1,14 @@
 //! The Radau IIA scheme of order 5 for a bush rubbed under changing pressure: one trial step.
 //!
-//! Owns the collocation equations, their solution and their linearisation; which trials are accepted, and how long they
-//! are, is [`super::adaptive`]'s. Twin: `shaders/dynamics/radau.wgsl`.
+//! Owns the collocation equations, their solution and their linearisation; [`super::adaptive`] decides which trials are accepted,
+//! and how long they are. Twin: `shaders/dynamics/radau.wgsl`.
 //!
-//! The sliding velocity v is the stiff variable (rate eps p F'(v), up to 6e4 where p = 1e4): it is what is solved for, at
-//! the three nodes of the step, by Newton's method. The angle follows by the scheme's quadrature. The pressure follows
-//! exactly: the heat modes are linear, and take the heat flux as the parabola through its values at the nodes, so that
-//! the pressure at the step's end is linear in these values, and by Hermite interpolation (the pressure is smooth where
-//! single fast modes are not) so is that at the two inner nodes. E. Hairer and G. Wanner, Solving Ordinary Differential
-//! Equations II, section IV.5, is the source of the scheme.
+//! The sliding velocity v is the stiff variable (rate eps p F'(v), up to 6e4 where p = 1e4). Newton's method solves for v at the
+//! three nodes of the step. The angle follows by the scheme's quadrature. The pressure follows exactly: the heat modes are
+//! linear, and their source, the heat flux, is the parabola through its values at the nodes. The pressure at the step's end is
+//! therefore linear in these values. The pressure at the two inner nodes comes from Hermite interpolation, so that it is linear
+//! in them as well; the pressure is smooth where single fast modes are not. The source of the scheme is E. Hairer and G. Wanner,
+//! Solving Ordinary Differential Equations II, section IV.5.
 
 #![allow(
     clippy::needless_range_loop,
@@ -62,7 +62,7 @@ const fn hermite(c: f64) -> [f64; 4] {
     ]
 }
 
-/// Their derivatives.
+/// The derivatives of Hermite's cubics, likewise.
 const HERMITE_SLOPE: [[f64; 4]; 2] = [hermite_slope(NODES[0]), hermite_slope(NODES[1])];
 
 const fn hermite_slope(c: f64) -> [f64; 4] {
@@ -77,7 +77,7 @@ const fn hermite_slope(c: f64) -> [f64; 4] {
 /// Weight of the embedded error estimate, 1/(the real eigenvalue of INTEGRALS' inverse).
 pub const ERROR_WEIGHT: f64 = 0.274_888_829_595_677_6;
 
-/// Newton's iterations until a trial counts as failed.
+/// Most iterations of Newton's method; a trial that needs more has failed.
 pub const MAX_ITERATIONS: u32 = 5;
 
 #[inline(always)]
@@ -89,7 +89,7 @@ fn constants<R: Real, const N: usize>(values: [f64; N]) -> [R; N] {
     out
 }
 
-/// A quadratic's coefficients in time from its values at the nodes.
+/// The coefficients in time of the quadratic with these values at the nodes.
 #[inline(always)]
 pub fn parabola<R: Real>(values: Vector<R>) -> Vector<R> {
     at_nodes!(k => dot(at_nodes!(j => R::splat(CARDINAL[j][k])), values))
@@ -101,25 +101,25 @@ fn integrals<R: Real>(values: Vector<R>) -> Vector<R> {
     at_nodes!(i => dot(constants(INTEGRALS[i]), values))
 }
 
-/// The same, to the step's end.
+/// The integral of this quadratic from 0 to the step's end.
 #[inline(always)]
 pub fn integral<R: Real>(values: Vector<R>) -> R {
     dot(constants(INTEGRALS[2]), values)
 }
 
-/// The thermal part of the pressure, sum w_m q_m, and sum w_m r_m q_m, by which it falls off.
+/// The thermal part of the pressure, sum w_m q_m, and the rate at which it falls off without a heat flux, sum w_m r_m q_m.
 #[derive(Clone, Copy, Debug)]
 pub struct Heat<R> {
     pub pressure: R,
     pub falloff: R,
 }
 
-/// What a step makes of the heat modes: their sums at its end, linear in the heat flux's coefficients in time.
+/// The sums over the heat modes at the end of a step, as linear functions of the heat flux's coefficients in time.
 #[derive(Clone, Copy, Debug)]
 pub struct Memory<R> {
-    /// From the state at the start alone.
+    /// The part that comes from the state at the start alone.
     pub free: Heat<R>,
-    /// By each coefficient of the flux.
+    /// The factors of the coefficients of the flux.
     pub pressure: Vector<R>,
     pub falloff: Vector<R>,
 }
@@ -128,7 +128,7 @@ pub struct Memory<R> {
 pub type ModeStep<R> = Decay<R>;
 
 impl<R: Real> Memory<R> {
-    /// Sums over the modes for a step of length `h`; keeps each mode's own numbers in `steps`.
+    /// Sums over the modes for a step of length `h`; keeps the decay of each mode in `steps`.
     #[inline(always)]
     pub fn new(h: R, rates: &[R], inverse_rates: &[R], weights: &[R], modes: &[R], steps: &mut [ModeStep<R>]) -> Self {
         let (zero, inverse_h) = (R::splat(0.0), R::splat(1.0) / h);
@@ -165,7 +165,7 @@ impl<R: Real> Memory<R> {
     }
 }
 
-/// Where a trial starts.
+/// The state at the start of a trial.
 #[derive(Clone, Copy, Debug)]
 pub struct Start<R> {
     pub x: R,
@@ -243,13 +243,14 @@ pub struct Trial<R: Real> {
     slope: Vector<R>,
     /// Inverse of d(residual)/d(v).
     newton: Matrix<R>,
-    /// dp/d(p at fixed heat and wear): the answer of the pressure to a change of its own source.
+    /// dp/d(p at fixed heat and wear): the response of the pressure, which itself causes heat and wear.
     response: Matrix<R>,
     /// dp/dv.
     by_v: Matrix<R>,
 }
 
-/// Heat at the two inner nodes by Hermite's cubics: offsets and weights of the flux at the nodes.
+/// The thermal pressure at the nodes, as an offset and the weights of the flux at the nodes; at the two inner nodes by Hermite's
+/// cubics.
 struct InnerHeat<R> {
     offset: Vector<R>,
     by_flux: Matrix<R>,
@@ -258,7 +259,7 @@ struct InnerHeat<R> {
 impl<R: Real> InnerHeat<R> {
     #[inline(always)]
     fn new(rubbing: &Rubbing<R>, h: R, start: Heat<R>, start_flux: R, memory: &Memory<R>) -> Self {
-        // by the flux at node j instead of the coefficient of s^k
+        // factors of the flux at node j, instead of those of the coefficient of s^k
         let end = at_nodes!(j => dot(constants(CARDINAL[j]), memory.pressure));
         let end_falloff = at_nodes!(j => dot(constants(CARDINAL[j]), memory.falloff));
         let start_slope = h * rubbing.two_gamma.mul_add(start_flux, -start.falloff);
@@ -281,8 +282,8 @@ impl<R: Real> InnerHeat<R> {
     }
 }
 
-/// Solves a trial; `guess` are accelerations at the nodes to begin with, `closeness` what Newton's last correction may be
-/// relative to the larger of |v| and the friction layer's half-width.
+/// Solves a trial. The iteration begins with the accelerations `guess` at the nodes. `closeness` is the largest last correction
+/// of Newton's method, relative to the larger of |v| and the friction layer's half-width.
 #[inline(always)]
 pub fn solve<R: Real>(
     rubbing: &Rubbing<R>,
@@ -325,7 +326,7 @@ pub fn solve<R: Real>(
         trial.x = at_nodes!(i => start.x + travelled[i]);
         trial.friction = at_nodes!(i => rubbing.friction(&start.piece, v[i]));
         trial.slope = at_nodes!(i => rubbing.friction_slope(&start.piece, v[i]));
-        // p = response (closed): the flux and the wear at the nodes are linear in p
+        // p = response times closed, since the flux and the wear at the nodes are linear in p
         let slid = at_nodes!(j => v[j].abs());
         let cooled = at_nodes!(j => -(trial.friction[j] * v[j]));
         let mut system = weights;
@@ -368,7 +369,7 @@ pub fn solve<R: Real>(
             break;
         }
     }
-    // what hangs on v was evaluated before the last correction, and follows it to its square
+    // the quantities that depend on v were evaluated before the last correction: they follow it here up to its square
     let by_v = apply(&trial.by_v, correction);
     let travelled = apply(&weights, correction);
     trial.v = v;
@@ -388,12 +389,13 @@ pub struct Perturbation<R> {
     pub v: R,
     pub fit: R,
     pub heat: Heat<R>,
-    /// Of the heat flux at the step's start.
+    /// Perturbation of the heat flux at the step's start.
     pub flux: R,
 }
 
 impl<R: Real> Trial<R> {
-    /// The surface temperature's sum w_m r_m q_m at the nodes, from the balance of heat: (w . q)' = 2 gamma Q - that.
+    /// The sum S of w_m r_m q_m, to which the surface temperature is proportional, at the nodes. It follows from the balance of
+    /// heat, (w . q)' = 2 gamma Q - S.
     #[inline(always)]
     pub fn falloff(&self, rubbing: &Rubbing<R>, start: &Start<R>, h: R, end: Heat<R>) -> Vector<R> {
         let start_slope = h * rubbing.two_gamma.mul_add(start.flux, -start.heat.falloff);
@@ -424,8 +426,8 @@ impl<R: Real> Trial<R> {
         rubbing.k_w * h * integral(rate)
     }
 
-    /// Carries a perturbation over the step: the derivative of the step itself. Returns it at the end, without its
-    /// modes, and the perturbation of the flux at the nodes, which drives them.
+    /// Carries a perturbation over the step, by the derivative of the step itself. Returns the perturbation at the end, without
+    /// its heat modes, and that of the flux at the nodes, which drives the modes.
     #[inline(always)]
     pub fn perturbed(
         &self,
@@ -435,13 +437,13 @@ impl<R: Real> Trial<R> {
         memory: &Memory<R>,
         at: &Perturbation<R>,
     ) -> (Perturbation<R>, Vector<R>) {
-        // the perturbed memory is the same linear map: `memory` has the perturbed modes' free sums, and what the flux
-        // adds is in `response` and `by_v` already
+        // perturbed heat modes obey the same linear map: `memory` has the free sums of the perturbed modes; `response` and `by_v`
+        // already contain the effect of the flux
         let offset = InnerHeat::new(rubbing, h, at.heat, at.flux, memory).offset;
         let free = apply(&self.response, at_nodes!(i => start.contact * (offset[i] + at.fit)));
         let pull = at_nodes!(i => {
             let rubbed = rubbing.epsilon * self.friction[i];
-            // x at the nodes without the perturbation of v there
+            // the perturbation of x at the nodes, without the effect of that of v there
             rubbing.stiffness(self.x[i]).mul_add(at.x, rubbed * free[i])
         });
         let integrated = integrals(pull);

@@ -1,15 +1,15 @@
 //! The reference integrator: slow, simple, and exact to rounding almost everywhere.
 //!
-//! Owns the solution that accuracy is measured against: extrapolated midpoint steps (Gragg, Bulirsch, Stoer) of order 10
-//! that end where v crosses a boundary of the friction layer, located to rounding. Shares neither the friction table nor
-//! the steps of the fast schemes, which it checks.
+//! Owns the solution that accuracy is measured against: extrapolated midpoint steps (Gragg, Bulirsch, Stoer) of order 10. They
+//! end where v crosses a boundary of the friction layer, located to rounding. The code shares neither the friction law nor the
+//! steps of the fast schemes, because it checks them.
 
 use crate::parameters::{Parameter, ParameterSet};
 
 /// Steps of a forcing period, besides those that end at boundaries.
 const STEPS_PER_PERIOD: u32 = 160;
 
-/// Midpoint substeps whose results are extrapolated; twice as many columns are the order.
+/// Numbers of midpoint substeps whose results are extrapolated. The order is twice the number of entries.
 const SUBSTEPS: [u32; 5] = [2, 4, 6, 8, 10];
 
 /// x, y, the tangent vector (X, Y), the logarithm of its growth so far, and the integrated divergence.
@@ -94,12 +94,12 @@ impl ReferenceOrbit {
 
     /// One step of at most `h`: its length, its end, and the piece that begins there if a boundary was met.
     fn step(&self, tau: f64, h: f64, at: &Vector) -> (f64, Vector, Option<(f64, bool)>) {
-        // a layer that is stiff against the step is resolved by shorter ones
+        // in the layer, steps are short enough for its decay rate
         let p = &self.parameters;
         let rate = 2.0 * p[Parameter::Epsilon] * p[Parameter::F0] / p[Parameter::Epsilon0];
         let mut h = if self.is_in_layer { h.min(0.4 / rate) } else { h };
         let mut end = self.extrapolated(tau, h, at);
-        // a step that leaves the piece and comes back is told by the cubic through both ends
+        // a step may leave the piece and come back: the cubic through both ends shows this
         for part in [0.25, 0.5, 0.75] {
             if self.boundary_beyond(self.between(tau, h, at, &end, part)).is_some() {
                 h *= part;
@@ -115,7 +115,7 @@ impl ReferenceOrbit {
             self.sliding_speed(tau + s, &end) - boundary
         };
         let s = root(distance, h);
-        // never no step at all: a start on the boundary would stay there
+        // a step of length 0 would leave a start on the boundary there
         let s = s.max(1e-12);
         let end = self.extrapolated(tau, s, at);
         (s, end, Some(self.beyond(boundary)))
@@ -150,7 +150,7 @@ impl ReferenceOrbit {
         p[Parameter::OmegaK] + p[Parameter::ZetaK] * (p[Parameter::Omega0] * tau).sin() - at[1]
     }
 
-    /// v a part of the step after its start, by Hermite's cubic.
+    /// v after a part of the step, by Hermite's cubic.
     fn between(&self, tau: f64, h: f64, at: &Vector, end: &Vector, part: f64) -> f64 {
         let p = &self.parameters;
         let slope = |tau: f64, at: &Vector| {
@@ -166,7 +166,7 @@ impl ReferenceOrbit {
             + t * t * (t - 1.0) * d_1
     }
 
-    /// Right-hand sides of equations (3.2) and (3.3) with the friction law of the present piece, wherever v is.
+    /// Right-hand sides of equations (3.2) and (3.3) with the friction law of the present piece, even if v is outside of it.
     fn slope(&self, tau: f64, &[x, y, vector_x, vector_y, _]: &Vector) -> Vector {
         let p = &self.parameters;
         let (epsilon, epsilon_0) = (p[Parameter::Epsilon], p[Parameter::Epsilon0]);
@@ -190,8 +190,8 @@ impl ReferenceOrbit {
         ]
     }
 
-    /// The state `h` after `at`: modified midpoint rules, extrapolated to substeps of no length (Hairer, Norsett and
-    /// Wanner, Solving Ordinary Differential Equations I, section II.9).
+    /// The state `h` after `at`: modified midpoint rules, extrapolated to substeps of length 0 (Hairer, Norsett and Wanner,
+    /// Solving Ordinary Differential Equations I, section II.9).
     fn extrapolated(&self, tau: f64, h: f64, at: &Vector) -> Vector {
         let mut columns = SUBSTEPS.map(|substeps| self.midpoint(tau, h, at, substeps));
         for k in 1..SUBSTEPS.len() {
@@ -218,7 +218,8 @@ impl ReferenceOrbit {
         now
     }
 
-    /// Takes in x at the step's end and, by Hermite's cubic and Newton's method on y, where it turns.
+    /// Updates the extremes with x at the step's end and, if x turns within the step, with x at the turn, found by Newton's
+    /// method on y.
     fn note_extremes(&mut self, at: &Vector, end: &Vector, h: f64, tau: f64) {
         let mut note = |x: f64| {
             self.state.x_min = self.state.x_min.min(x);
@@ -239,11 +240,11 @@ impl ReferenceOrbit {
     }
 }
 
-/// The zero of `f` in 0..h, f(h) being beyond it: the Illinois variant of the false position, to rounding.
+/// The zero of `f` between 0 and `h`, where `h` lies beyond it: by the Illinois variant of false position, to rounding.
 fn root(f: impl Fn(f64) -> f64, h: f64) -> f64 {
     let (mut a, mut b) = (0.0, h);
     let (mut f_a, mut f_b) = (f(a), f(b));
-    // a start on the boundary, to rounding on its wrong side, is left behind first
+    // rounding may put a start on the boundary on its wrong side: the bracket then begins later
     for part in [64.0, 16.0, 4.0, 2.0] {
         if f_a * f_b < 0.0 {
             break;

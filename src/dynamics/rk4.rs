@@ -34,7 +34,7 @@ pub struct StageSpeeds<R> {
 }
 
 impl<R: Real> StageSpeeds<R> {
-    /// The speeds less that of the bush at the start of the step.
+    /// The shaft speeds less the speed of the bush at the start of the step.
     #[inline(always)]
     fn less(&self, y: R) -> Self {
         Self {
@@ -116,7 +116,7 @@ pub fn step_with_tangent<R: Real, const N: usize>(
     let [mut a1, mut a2, mut a3] = [[R::splat(0.0); N]; 3];
     let (mut at, mut end) = (vectors, vectors);
 
-    // every stage is used up as soon as it is known, so that little has to be held in registers
+    // every stage is used as soon as it is known, so that few numbers have to be kept in registers
     let v = speed.less(y);
     let f1 = motion.linearised(x, v.start, speed.start);
     let x2 = h.x2(x, y);

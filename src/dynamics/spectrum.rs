@@ -12,7 +12,7 @@ use crate::experiment::{Scheme, Settings};
 use crate::model::motion::Motion;
 use crate::parameters::{Parameter, ParameterSet};
 
-/// Exponents in the paper's order: the larger and the smaller of the two non-trivial ones, and the one along the flow, which is 0.
+/// Exponents in the paper's order: the larger and the smaller of the two non-trivial ones, then the one along the flow, 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spectrum {
     /// Per unit of tau.
@@ -56,7 +56,8 @@ pub fn lyapunov_spectrum(parameters: &ParameterSet, settings: &Settings) -> Opti
     })
 }
 
-/// Steps in a forcing period that bring this scheme, which crosses the friction layer blindly, to about 1e-4 of the others.
+/// Steps in a forcing period with which this scheme agrees with the others to about 1e-4. It needs so many because its steps do
+/// not end at the boundaries of the friction layer.
 const FINE_STEPS: u32 = 5024;
 
 struct Orbit {

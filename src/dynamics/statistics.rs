@@ -1,4 +1,4 @@
-//! Averages of a growth rate over one orbit, and how sure they are.
+//! Averages of a growth rate over one orbit, and their errors.
 //!
 //! Owns batch means, the weighted Birkhoff average, and the order of the exponents; integrates nothing.
 
@@ -15,18 +15,19 @@ pub fn batches(periods: u32) -> Vec<Range<u32>> {
     (0..count).map(|i| bound(i)..bound(i + 1)).collect()
 }
 
-/// Fewest groups of batches whose scatter is still worth something.
+/// Fewest groups of batches whose scatter still gives a useful estimate.
 const LEAST_GROUPS: usize = 8;
 
-/// Groups that are so many need no allowance for being few.
+/// From this number of groups on, no allowance for few groups is made.
 const MANY_GROUPS: usize = 12;
 
 /// Standard error of the mean rate `sum(growth)/sum(length)`, given each batch's length and growth.
 ///
-/// Batch means: the batches' scatter gives the error whatever the correlation inside a batch. Where it reaches from one
-/// batch into the next, groups of 2, 4, ... batches scatter more than single ones would make them; the largest estimate
-/// with at least 8 groups is taken, those of less than 12 groups times `student`'s factor (H. Flyvbjerg and H. G. Petersen,
-/// doi:10.1063/1.457480). Correlation over more than an eighth of the run is not seen. NaN if a growth is.
+/// The method is batch means: the scatter of the batches gives the error, whatever the correlation inside a batch. If the
+/// correlation reaches from one batch into the next, groups of 2, 4, ... batches scatter more than single batches would suggest.
+/// Therefore the largest estimate with at least 8 groups is taken; one with fewer than 12 groups is first multiplied by
+/// `student`'s factor (H. Flyvbjerg and H. G. Petersen, doi:10.1063/1.457480). Correlation over more than an eighth of the run is
+/// not seen. The result is NaN if a growth is NaN.
 pub fn standard_error(batches: &[(f64, f64)]) -> f64 {
     std::iter::successors(Some(1), |group| Some(2 * group))
         .take_while(|group| *group == 1 || batches.len() / group >= LEAST_GROUPS)
@@ -39,7 +40,7 @@ pub fn standard_error(batches: &[(f64, f64)]) -> f64 {
                         .fold((0.0, 0.0), |sum, batch| (sum.0 + batch.0, sum.1 + batch.1))
                 })
                 .collect();
-            // of more values it is less than what taking the largest adds
+            // with more groups, the allowance is less than what taking the largest estimate adds
             let allowance = if groups.len() < MANY_GROUPS {
                 student(groups.len())
             } else {
@@ -51,9 +52,9 @@ pub fn standard_error(batches: &[(f64, f64)]) -> f64 {
         .fold(0.0, |largest, error| if error <= largest { largest } else { error })
 }
 
-/// By how much the interval that covers 95 % is wider than the normal distribution's where the scatter is that of so many
-/// values: the leading terms of Student's quantile in the number of degrees of freedom n, 1.96 + 2.37/n + 2.82/n^2, over
-/// 1.96; within 1 % from n = 5.
+/// The factor by which the interval that covers 95 % is wider than that of the normal distribution if the scatter is estimated
+/// from this number of `values`. With n degrees of freedom it is 1.96 + 2.37/n + 2.82/n^2, the leading terms of Student's
+/// quantile, over 1.96; within 1 % from n = 5.
 fn student(values: usize) -> f64 {
     let freedom = values.saturating_sub(1) as f64;
     1.0 + 1.21 / freedom + 1.44 / (freedom * freedom)
@@ -74,16 +75,17 @@ impl Spread {
         self.squares += growth * growth;
     }
 
-    /// Standard error of the mean growth of so many periods if each were independent of the others. NaN of fewer than two
-    /// periods.
+    /// Standard error of the mean growth of `periods` periods if each were independent of the others. NaN if only one was added.
     ///
-    /// Chaos in bands alternates between large and small growth, which cancel in the mean for as long as the orbit keeps to
-    /// the order of its bands; where it slips now and then, batch means of a run without a slip are much too sure, and this
-    /// is about what slips make of the error.
+    /// Chaos in bands alternates between large and small growth, which cancel in the mean as long as the orbit visits its bands
+    /// in a fixed order. If this order slips now and then, batch means of a run without a slip give a much too small error. The
+    /// independent error is about the error that such slips cause.
     pub fn independent_error(&self, periods: u32) -> f64 {
         let mean = self.sum / self.count;
-        let variance = (self.squares - mean * self.sum).max(0.0) / (self.count - 1.0);
-        (variance / f64::from(periods)).sqrt()
+        let squares = self.squares - mean * self.sum;
+        // rounding may leave less than nothing; NaN is to stay NaN, which `max` would make 0
+        let squares = if squares < 0.0 { 0.0 } else { squares };
+        (squares / (self.count - 1.0) / f64::from(periods)).sqrt()
     }
 }
 
@@ -109,8 +111,8 @@ pub fn birkhoff_weights(periods: u32) -> Vec<f64> {
     (0..periods).map(|n| weight(n) / sum).collect()
 }
 
-/// The two exponents, the larger first, from the mean growth rates of the two tangent vectors. Where the second
-/// grows faster the vectors rotate: the exponents are equal, and only their sum is free of the rotation.
+/// The two exponents, the larger first, from the mean growth rates of the two tangent vectors. If the second grows faster, the
+/// vectors rotate. Then the exponents are equal, and only their sum does not depend on the rotation.
 pub fn exponents([first, second]: [f64; 2]) -> [f64; 2] {
     if first < second {
         [0.5 * (first + second); 2]
@@ -134,7 +136,7 @@ mod tests {
         }
     }
 
-    /// A pseudo-random walk through a linear congruence: uniform in -0.5..0.5.
+    /// A pseudo-random number of a linear congruential generator, uniform in -0.5..0.5.
     fn noise(seed: &mut u64) -> f64 {
         *seed = seed
             .wrapping_mul(6_364_136_223_846_793_005)

@@ -1,14 +1,14 @@
 //! The period of the motion from stroboscopic states.
 //!
-//! Owns which states are kept, and their comparison, done once at the end of a run: in its periods nothing is done but to
-//! keep a state. Twin: `shaders/dynamics/stroboscope.wgsl`.
+//! Owns which states are kept, and their comparison. The comparison is done once, at the end of a run; in each period only a
+//! state is kept. Twin: `shaders/dynamics/stroboscope.wgsl`.
 
 use crate::lanes::{Mask, Real};
 
-/// The motion must repeat over this many last forcing periods at least.
+/// The motion must repeat over at least this many of the last forcing periods.
 pub const LEAST_WINDOW: u32 = 64;
 
-/// Most states that are kept where periods up to `max_period` are looked for.
+/// Most states that are kept if periods up to `max_period` are searched for.
 pub const fn most_states(max_period: u32) -> u32 {
     if 2 * max_period > LEAST_WINDOW {
         2 * max_period
@@ -17,18 +17,18 @@ pub const fn most_states(max_period: u32) -> u32 {
     }
 }
 
-/// States that are kept of a run of `periods`: those at the ends of its last ones.
+/// Number of states that are kept from a run of `periods` periods: those at the ends of the last ones.
 pub fn window(periods: u32, max_period: u32) -> u32 {
     periods.min(most_states(max_period))
 }
 
-/// The last of `window` states over which a motion must repeat for `period` to be its period.
+/// Number of last states, at most `window`, over which a motion must repeat for `period` to be its period.
 pub fn span_of(period: u32, window: u32) -> u32 {
     window.min(most_states(period))
 }
 
-/// The least period, up to `max_period`, after which the states of a window repeat, where `agree` tells of two of them
-/// whether they are the same. Only periods that fit at least twice into the window are trusted.
+/// The least period, up to `max_period`, after which the states of a window repeat. `agree` tells whether two of them are the
+/// same. Only periods that fit at least twice into the window are trusted.
 pub fn period_of(window: u32, max_period: u32, agree: impl Fn(u32, u32) -> bool) -> Option<u32> {
     (1..=max_period.min(window / 2)).find(|&k| repeats(k, window, &agree))
 }
@@ -58,7 +58,8 @@ impl<R: Real> Stroboscope<R> {
         self.states.push([x, y]);
     }
 
-    /// Which lanes have period 1, all at once: it is the most frequent one, and the longest to be compared.
+    /// Which lanes have period 1, computed for all lanes at once: this period is the most frequent one, and comparing its states
+    /// takes longest.
     #[inline(always)]
     pub fn repeats_after_one(&self, tolerance: R) -> R::Mask {
         let window = self.states.len();
@@ -71,7 +72,7 @@ impl<R: Real> Stroboscope<R> {
         same
     }
 
-    /// See [`period_of`]: that of a lane, where states agree whose x and y differ by less than `tolerance`.
+    /// [`period_of`] in one lane: two states agree if their x and their y differ by less than `tolerance`.
     pub fn period_of(&self, lane: usize, max_period: u32, tolerance: f64) -> Option<u32> {
         let state = |n: u32| self.states[n as usize].map(|value| value.lane(lane));
         period_of(self.states.len() as u32, max_period, |n, before| {

@@ -37,7 +37,7 @@ impl<R: Real> Bases<R> {
         })
     }
 
-    /// A vector of length 1, and the one across it.
+    /// A vector of length 1, and the one perpendicular to it.
     pub fn along(first: Vector<R>) -> Self {
         let second = Vector {
             x: -first.y,
@@ -87,8 +87,8 @@ impl<R: Real> Vector<R> {
     /// The vector at length 1, and its length.
     #[inline(always)]
     pub fn normalised(self) -> (Self, R) {
-        // a vector that has shrunk below the smallest number keeps no direction: it is taken as that small; one that
-        // has overflowed stays NaN or infinite, and shows
+        // a vector that has shrunk below the smallest norm keeps no direction, and has this norm; one that has overflowed stays
+        // NaN or infinite, so that the overflow is visible
         let (square, smallest) = (self.x.mul_add(self.x, self.y * self.y), R::splat(SMALLEST_SQUARE));
         let square = R::select(square.less(smallest), smallest, square);
         let norm = square.sqrt();
@@ -103,8 +103,8 @@ impl<R: Real> Vector<R> {
     }
 }
 
-/// A length, or an area, outside of the inverse of this to this is set to 1, and its logarithm kept: until it is looked at
-/// again it stays within f32, squared.
+/// A length or an area above this, or below its inverse, is set to 1, and its logarithm is kept. Until the next check, its square
+/// then stays within the range of f32.
 pub const COMFORTABLE: f64 = 1e8;
 
 /// Smallest squared norm, in the range of f32's normal numbers.

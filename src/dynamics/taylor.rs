@@ -1,12 +1,11 @@
 //! The Taylor scheme whose steps end at the boundaries of the friction layer.
 //!
-//! Owns the length of a step, the search for its end, and the clock; the series are [`series`]'s, and loops over periods
-//! a backend's. Twin: `shaders/dynamics/taylor.wgsl`, around the generated text of the series.
+//! Owns the length of a step, the search for its end, and the clock; the series are in [`series`], and the loops over periods in
+//! the backends. Twin: `shaders/dynamics/taylor.wgsl`, which uses the generated text of the series.
 //!
-//! Between the boundaries v = -eps0, 0, +eps0 friction is a polynomial, so that the motion has a series by short
-//! recurrences, and v(s) over the step is a polynomial too: where it leaves the piece is found by a few evaluations.
-//! Every lane has its own clock in whole ticks, and the step taken is a whole number of them: no clock drifts, and the last
-//! step ends on the period exactly.
+//! Between the boundaries v = -eps0, 0, +eps0 friction is a polynomial. Short recurrences therefore give the series of the
+//! motion. v(s) over the step is a polynomial too: a few evaluations find where it leaves the piece. Every lane has its own clock
+//! in whole ticks, and every step is a whole number of ticks: no clock drifts, and the last step ends on the period exactly.
 
 pub mod escape;
 pub mod growth;
@@ -33,76 +32,82 @@ pub const fn ticks_per_unit<R: Real>() -> f64 {
     R::PERIOD_TICKS / UNITS_PER_PERIOD as f64
 }
 
-/// Least step, in ticks: what a start on the wrong side of a boundary moves on by.
+/// Least step, in ticks. A start on the wrong side of a boundary moves on by this step.
 pub const LEAST_TICKS: f64 = 16.0;
 
-/// Steps after which a lane that has not finished a period is given up as under-resolved, where the period is no longer
-/// than the paper's, pi; a longer one has as many more.
+/// Most steps in a period that is not longer than pi, the period of the paper; a lane that needs more is given up as
+/// under-resolved. A longer period may take more in proportion to its length.
 pub const MAX_PASSES: u32 = 8192;
 
-/// In the layer a step reaches at most this far beyond the boundary ahead, by the slope of v: a polynomial taken much
-/// further beyond its piece runs away.
+/// In the layer, a step covers at most this many times the distance to the boundary ahead, estimated by the slope of v. A
+/// polynomial that is followed much farther beyond its piece runs away.
 pub const REACH: f64 = 1.1;
 
-/// In the layer a step is at most this over the layer's greatest rate. Without it the motion comes out smooth, plausible
-/// and wrong where the bush sticks; and where v takes about as long through the layer as friction to hold it, the series has a pole
-/// at about 1.1 over that rate: 0.35 would leave 1e-4 of the growth in a crossing, this leaves 1e-6.
+/// In the layer, a step is at most this divided by the layer's greatest rate. Without this limit, the motion comes out smooth,
+/// plausible and wrong where the bush sticks. If v crosses the layer in about the time in which friction would stop it, the
+/// series has a pole at about 1.1 over that rate. A limit of 0.35 would leave an error of 1e-4 of the growth in such a crossing,
+/// this one leaves 1e-6.
 pub const LAYER_STEP: f64 = 0.2;
 
-/// Outside, a step is at most this over the rates met at its start...
+/// Outside the layer, a step is at most this divided by the rates at its start...
 pub const FREE_STEP: f64 = 2.0;
 
-/// ...or this where the cubic drag is stiff. Longer steps cost the exponents digits there, since such drag is met all the time.
+/// ...or this divided by them if the cubic drag is stiff. Longer steps would then cost digits of the exponents, since such drag
+/// acts all the time.
 pub const STIFF_FREE_STEP: f64 = 0.8;
 
-/// The cubic drag is stiff where its rate times the longest step exceeds this. The rate is that at the shaft's greatest speed plus
+/// The cubic drag is stiff if its rate times the longest step exceeds this. The rate is that at the shaft's greatest speed plus
 /// [`OWN_SPEED`].
 pub const STIFF: f64 = 2.0;
 
-/// What the rate of a stiff cubic drag may grow to in a step that begins without sliding, times the step.
+/// Limit of the longest step for a stiff cubic drag: the rate that the drag reaches in a step that begins without sliding, times
+/// this step.
 pub const DRAG_GROWTH: f64 = 0.1;
 
-/// The rate of the bush's swing counts as so many rates of decay: a series converges more slowly where x swings.
+/// The rate at which x swings counts this many times as much as a rate of decay, because the series converges more slowly where x
+/// swings.
 pub const SWING: f64 = 2.5;
 
-/// Speed of the bush: it is added to the shaft's greatest speed where the drag is estimated.
+/// Speed of the bush that is added to the shaft's greatest speed when the drag is estimated.
 pub const OWN_SPEED: f64 = 1.0;
 
-/// At the usual number of steps, a step is at most this over the rate of the linear damping. The fast one of two exponents is
-/// then as good as the slow one.
+/// With the usual number of steps, a step is at most this divided by the rate of the linear damping. The exponent of the fast
+/// decay is then as accurate as that of the slow one.
 pub const DAMPING_STEP: f64 = 0.6;
 
-/// Steps a period that the bounds above belong to; with more of them [`DAMPING_STEP`] falls alike.
+/// Number of steps per period for which the bounds above are stated. With more steps, [`DAMPING_STEP`] falls in proportion.
 const USUAL_STEPS: f64 = 28.0;
 
-/// Stands for the half-width of the layer where there is no dry friction, and so no layer. It is negative: -eps0 then lies above
-/// all speeds and eps0 below, so that v is on an outer piece always, and meets no boundary.
+/// Stands for the half-width of the layer if there is no dry friction, and so no layer. It is negative: -eps0 then lies above all
+/// speeds and eps0 below them, so that v is always on an outer piece and meets no boundary.
 pub const NO_LAYER: f64 = -1e30;
 
-/// v is beyond a boundary where it exceeds it by more than this, in units of eps0; rounding does not count as that.
+/// v counts as beyond a boundary if it exceeds it by more than this, in units of eps0. Less may be rounding.
 pub const BEYOND: f64 = 2e-4;
 
-/// A layer of less half-width than this is thin. Between the points of a step that are looked at, v may go into it, turn, and come
-/// out; and one step of Newton's may miss its boundary by more than its width. In thicker layers friction hardly feels either.
+/// A layer with a half-width below this is thin. Between the points of a step at which v is evaluated, v may enter such a layer,
+/// turn, and leave it. One step of Newton's method may also miss its boundary by more than its width. In thicker layers, neither
+/// has much effect on friction.
 pub const THIN: f64 = 5e-3;
 
-/// The boundary of a thin layer is met again where one step of Newton's misses it by more than this, in units of eps0...
+/// Distance from the boundary of a thin layer, in units of eps0, by which v may miss it. Newton's method goes on until v is
+/// within a tenth of this distance...
 pub const MISSED: f64 = 1e-2;
 
-/// ...in at most so many further steps.
+/// ...for at most this many further steps.
 pub const REFINEMENTS: u32 = 60;
 
-/// A half step that starts within this part of itself of the boundary, or beyond it, may end where it starts.
+/// A half step that starts beyond the boundary, or meets it within this part of its length, may end where it starts.
 pub const ON_BOUNDARY: f64 = 1e-2;
 
-/// A start within this of a boundary, in units of eps0, is taken as the layer's width away from it: it has just come from
-/// there.
+/// If a step starts closer than this to the boundary ahead, in units of eps0, the distance to it is taken as eps0: v has just
+/// come from that boundary.
 pub const AT_BOUNDARY: f64 = 1e-4;
 
-/// Square of the least slope that is divided by where v turns at a boundary.
+/// Square of the least slope that is used as a divisor, for v that turns at a boundary.
 pub const SMALLEST_SLOPE_SQUARE: f64 = 1e-30;
 
-/// What does not change along an orbit, in the units of [`series`].
+/// The constants of an orbit, in the units of [`series`].
 #[derive(Clone, Copy, Debug)]
 pub struct Flow<R> {
     linear: R,
@@ -114,10 +119,10 @@ pub struct Flow<R> {
     epsilon_0: R,
     longest: R,
     longest_in_layer: R,
-    /// Outside, a step is at most this over the rates met at its start.
+    /// Outside the layer, a step is at most this divided by the rates at its start.
     free_step: R,
-    /// By which the angular speed counts as the square of a rate: sqrt(3 |b|), the frequency of a fast swing squared over its
-    /// speed.
+    /// The angular speed times this counts as the square of a rate. It is sqrt(3 |b|), the squared frequency of a fast swing over
+    /// its speed.
     stiffening: R,
     /// 1 in lanes whose layer is [`THIN`], and whether there are any.
     thin: R,
@@ -131,9 +136,9 @@ pub fn unit_of_time(omega_0: f64) -> f64 {
 
 /// Longest step in units of time of the instance, the least of three:
 ///
-/// - the forcing period, or pi, the paper's, where that is shorter, divided by the number of steps;
+/// - the forcing period, or pi (the period of the paper) if that is shorter, divided by the number of steps;
 /// - [`DAMPING_STEP`] over the rate of the linear damping;
-/// - where the cubic drag is stiff, the step in which its rate grows from 0 to [`DRAG_GROWTH`] over the step.
+/// - if the cubic drag is stiff, the step in which its rate grows from 0 to [`DRAG_GROWTH`] divided by this step.
 pub fn longest_step_units(parameters: &ParameterSet, steps_per_period: u32) -> f64 {
     use Parameter::{Alpha, Beta, Epsilon, H1, Omega0, OmegaK, ZetaK};
     let damping = parameters[Epsilon] * parameters[H1].abs().max(parameters[Alpha].abs());
@@ -142,7 +147,7 @@ pub fn longest_step_units(parameters: &ParameterSet, steps_per_period: u32) -> f
     let drag = 3.0 * parameters[Epsilon] * parameters[Beta].abs();
     let speed = parameters[OmegaK].abs() + parameters[ZetaK] + OWN_SPEED;
     let tau = if drag * speed * speed * tau > STIFF {
-        // v grows by about (shaft's acceleration) h, and the rate of the drag with its square
+        // v grows by about (acceleration of the shaft) h, and the rate of the drag grows with the square of v
         let acceleration = parameters[ZetaK] * parameters[Omega0] + OWN_SPEED;
         tau.min((DRAG_GROWTH / (drag * acceleration * acceleration)).cbrt() * USUAL_STEPS / steps)
     } else {
@@ -151,7 +156,7 @@ pub fn longest_step_units(parameters: &ParameterSet, steps_per_period: u32) -> f
     tau / unit_of_time(parameters[Omega0])
 }
 
-/// Whether the number type resolves the friction layer at the shaft's greatest speed, if there is a layer.
+/// Whether the number type resolves the friction layer at the shaft's greatest speed; true if there is no layer.
 pub fn is_layer_resolved<R: Real>(parameters: &ParameterSet) -> bool {
     use Parameter::{Epsilon, Epsilon0, F0, OmegaK, ZetaK};
     let spacing = if single::<R>() {
@@ -163,7 +168,7 @@ pub fn is_layer_resolved<R: Real>(parameters: &ParameterSet) -> bool {
     parameters[Epsilon] * parameters[F0] == 0.0 || parameters[Epsilon0] > thinnest_layer(spacing, speed)
 }
 
-/// Passes after which a lane that has not finished a period is given up.
+/// Most steps of a lane in a period; a lane that needs more is given up.
 pub fn most_passes(forcing_period: f64) -> u32 {
     (f64::from(MAX_PASSES) * (forcing_period / PI).max(1.0)) as u32
 }
@@ -240,7 +245,8 @@ pub struct State<R: Real> {
     pub x: R,
     /// Angular speed times the unit of time.
     pub w: R,
-    /// Zeta_k sin z and zeta_k cos z, times the unit of time: advanced by rotation; a period's start sets them anew.
+    /// zeta_k sin z and zeta_k cos z, times the unit of time. A rotation advances them in each step, and each period starts with
+    /// their exact values.
     drive: R,
     drive_slope: R,
     /// Index of the piece of the friction law that v moves on.
@@ -256,14 +262,14 @@ pub struct Step<R, const L: usize> {
     pub s: R,
 }
 
-/// Takes a step: to the boundary of the piece, or as far as it may reach. A lane whose period is over stays as it is. `THIN` if
-/// some lanes have [`THIN`] layers.
+/// Takes a step, to the boundary of the piece or as far as a step may go. A lane whose period is over stays as it is. The
+/// parameter `THIN` must be true if some lanes have [`THIN`] layers.
 #[inline(always)]
 pub fn step<R: Real, const L: usize, const THIN: bool>(flow: &Flow<R>, state: &State<R>) -> (Step<R, L>, State<R>) {
     let v = flow.omega_k + state.drive - state.w;
     let mut state = *state;
     if THIN {
-        // a layer that is crossed in less than the least step was left behind, with v on its other side
+        // v may have crossed a layer in less than the least step: its piece is then found anew
         let piece = flow.friction.piece(state.piece, flow.epsilon_0);
         let margin = R::splat(MISSED) * flow.epsilon_0;
         let is_lost = v.less(piece.lower - margin).or((piece.upper + margin).less(v));
@@ -291,7 +297,7 @@ pub fn step<R: Real, const L: usize, const THIN: bool>(flow: &Flow<R>, state: &S
     end(&state, &series, at, leave.change)
 }
 
-/// A step of about `s`, in whole ticks, and the state that it ends in, on a piece `change` further.
+/// A step of about `s`, in whole ticks, and the state at its end, where the index of the piece changes by `change`.
 #[inline(always)]
 fn end<R: Real, const L: usize>(state: &State<R>, series: &Series<R, L>, s: R, change: R) -> (Step<R, L>, State<R>) {
     let ticks = (s * R::splat(ticks_per_unit::<R>()))
@@ -312,7 +318,7 @@ fn end<R: Real, const L: usize>(state: &State<R>, series: &Series<R, L>, s: R, c
     (Step { series, s }, next)
 }
 
-/// As far as the series may be followed. Bounds that are no numbers bound nothing.
+/// The longest step over which the series may be followed. A limit that is NaN has no effect.
 #[inline(always)]
 fn trial_step<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series: &Series<R, L>, left: R::Ticks) -> R {
     let left = R::from_ticks(left) * R::splat(1.0 / ticks_per_unit::<R>());
@@ -323,7 +329,7 @@ fn trial_step<R: Real, const L: usize>(flow: &Flow<R>, piece: &Piece<R>, series:
     let has_just_come = distance.less(R::splat(AT_BOUNDARY) * flow.epsilon_0);
     let distance = R::select(has_just_come, flow.epsilon_0, distance);
     let is_in_layer = (piece.upper - piece.lower).less(R::splat(1.5) * flow.epsilon_0);
-    // where x passes through 0 fast, its rate is that which it soon comes to
+    // where x passes through 0 fast, its rate is small but soon grows: the speed tells how large it will be
     let swing = series.by_x[0].abs().max(flow.stiffening * series.w[0].abs()).sqrt();
     let rates = (series.by_w[0].abs() + swing).max(R::splat(SWING) * swing);
     let way = R::select(is_in_layer, R::splat(REACH) * distance, flow.free_step);
@@ -338,7 +344,7 @@ struct Leave<R: Real> {
     at: R,
     /// The change of the piece's index there; 0 where the step stays on its piece.
     change: R,
-    /// The boundary that is met, and the part of the step on which v comes from inside of it to outside.
+    /// The boundary that v meets, and the ends of the part of the step in which v comes from inside of it to outside.
     boundary: R,
     from: R,
     to: R,
@@ -346,9 +352,10 @@ struct Leave<R: Real> {
 
 /// Where v leaves the piece on the way to the trial step's end; the trial step itself if it does not.
 ///
-/// v is looked at halfway and at the end, and where the parabola through the three values turns beyond a boundary. In the
-/// half step before the first of these that lies outside, that parabola and one step of Newton's lead to the boundary: to
-/// where v comes out, also where it begins on the boundary, goes in, and turns.
+/// v is evaluated halfway and at the end and, in thin layers, at the point where the parabola through the three values turns
+/// beyond a boundary. The crossing is searched for in the half step before the first of these points that lies outside. The
+/// parabola and one step of Newton's method give it. It is the point where v leaves the piece, even if v starts on the boundary,
+/// enters the piece, and turns.
 #[inline(always)]
 fn leave<R: Real, const L: usize, const THIN: bool>(
     flow: &Flow<R>,
@@ -360,7 +367,8 @@ fn leave<R: Real, const L: usize, const THIN: bool>(
     let margin = R::splat(BEYOND) * flow.epsilon_0;
     let (lower, upper) = (piece.lower - margin, piece.upper + margin);
     let middle = R::splat(0.5) * trial;
-    // the search is one long chain of operations, which is why vectors go through it in step
+    // the search is one long chain of operations that wait for each other: `in_step` lets several vectors go through it side by
+    // side
     let (v_middle, v_end) = (series.v_at(middle), series.v_at(trial).in_step());
     let mut left_early = v_middle.less(lower).or(upper.less(v_middle));
     let mut left = left_early.or(v_end.less(lower)).or(upper.less(v_end));
@@ -398,7 +406,8 @@ fn leave<R: Real, const L: usize, const THIN: bool>(
     let boundary = R::select(rises, piece.upper, piece.lower);
     let change = R::select(rises, R::splat(1.0), R::splat(-1.0));
 
-    // outward from the boundary, in parts of the half step: beyond + slope part + bend part^2, where it rises through 0
+    // the distance outward from the boundary is beyond + slope part + bend part^2, with `part` a part of the half step; the root
+    // is taken at which it rises through 0
     let beyond = change * (v_from - boundary);
     let bend = change * R::splat(0.5) * second;
     let slope = change * (v_half_on - v_from) - bend;
@@ -408,12 +417,12 @@ fn leave<R: Real, const L: usize, const THIN: bool>(
     let part = R::select(goes_out, R::splat(-2.0) * beyond, root - slope)
         / R::select(goes_out, slope + root, R::splat(2.0) * bend);
     let guess = part.mul_add(middle, from).max(from).min(to);
-    // the parabola's slope there, which is the root, serves as that of v
+    // the slope of the parabola there is `root`; it is used as the slope of v
     let step_per_v = change * middle / root;
     let newton = (boundary - series.v_at(guess)).mul_add(step_per_v, guess);
     let newton = newton.max(from).min(to).in_step();
-    // where the parabola is no guide, Newton's step may go astray, back to where it started from: the lane then takes a
-    // part of the way, and looks again from there
+    // if the parabola fits badly, Newton's step may lead back to the start of the half step: the lane then takes a part of the
+    // way, and searches again from there
     let found = from.less(newton).or(part.less(R::splat(ON_BOUNDARY)));
     let closer = (R::splat(0.5) * part).mul_add(middle, from);
     let leaves = left.and(found);
@@ -426,14 +435,15 @@ fn leave<R: Real, const L: usize, const THIN: bool>(
     }
 }
 
-/// Where v meets the boundary, to [`MISSED`]: Newton's steps from the estimate, or halved brackets where these leave them.
+/// Where v meets the boundary, to a tenth of [`MISSED`]: by Newton's method from the estimate, with bisection where a step leaves
+/// the bracket.
 #[inline(always)]
 fn refined<R: Real, const L: usize>(flow: &Flow<R>, series: &Series<R, L>, leave: &Leave<R>) -> R {
     let zero = R::splat(0.0);
     let tolerance = R::splat(0.1 * MISSED) * flow.epsilon_0;
     let (mut low, mut high, mut at) = (leave.from, leave.to, leave.at);
     for _ in 0..REFINEMENTS {
-        // outward from the boundary
+        // distance outward from the boundary
         let beyond = leave.change * (series.v_at(at) - leave.boundary);
         let is_met = beyond.abs().less(tolerance);
         let is_met = is_met.or((leave.change.abs() * flow.thin).less(R::splat(0.5)));
@@ -451,13 +461,13 @@ fn refined<R: Real, const L: usize>(flow: &Flow<R>, series: &Series<R, L>, leave
     at
 }
 
-/// Where x turns within the step, or else x at its end: an extremum of x that no step's end shows. `w` is the angular
-/// speed at the end. Good to the third order of the step.
+/// The value of x at its turn within the step, an extremum that the ends of steps do not show. If x does not turn, its value at
+/// the step's end. Accurate to the third order of the step.
 #[inline(always)]
 pub fn turning<R: Real, const L: usize>(step: &Step<R, L>, end: &State<R>) -> R {
     let before = step.series.w[0];
     let turns = (before * end.w).less(R::splat(0.0));
-    // over the mean slope of w
+    // 1 over the mean slope of w
     let inverse_slope = step.s / (end.w - before);
     let at = -(before * inverse_slope);
     let w = step.series.w_at(at);

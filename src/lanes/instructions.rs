@@ -1,15 +1,15 @@
-//! Instruction sets as proofs, and values in their lanes that nothing gets at without one.
+//! Instruction sets as proofs that the machine has them, and values in their lanes that cannot be used without such a proof.
 //!
-//! Owns the contract between lanes and those who carry work out with them; detects and computes nothing.
+//! Owns the contract between lanes and the code that works with them; detects and computes nothing.
 
-/// A set of vector instructions that the machine has. A value is the proof of it: only detection makes one.
+/// A set of vector instructions that the machine has. A value of the type is the proof of that: only detection makes one.
 pub(crate) trait Instructions: Copy + Send + Sync + 'static {
-    /// Carries work on `value` out in a function that is compiled for these instructions. So are the work itself and what it
-    /// calls where they are `#[inline(always)]`, as all must be that takes long.
+    /// Calls `work` with `value` in a function that is compiled for these instructions. `work` and the functions that it calls
+    /// are compiled for them, too, if they are `#[inline(always)]`; everything that takes long must be so.
     fn carry_out<T, U>(self, value: T, work: impl FnOnce(T) -> U) -> U;
 }
 
-/// What every machine of the target has.
+/// The instructions that every machine of the target has.
 #[derive(Clone, Copy)]
 pub(crate) struct Portable;
 
@@ -20,7 +20,7 @@ impl Instructions for Portable {
     }
 }
 
-/// A value in lanes of the instructions `I`: it is made and used only in work that these carry out.
+/// A value in lanes of the instructions `I`. It is made and used only inside [`Instructions::carry_out`].
 pub(crate) struct Held<I, T> {
     instructions: I,
     value: T,

@@ -1,9 +1,9 @@
 //! The number types that the model and the schemes are written over: scalars, and vectors of lanes.
 //!
-//! Owns arithmetic, masks and the passage between lanes and f64; knows nothing of the model. The model's source is
+//! Owns arithmetic, masks and the conversion between lanes and f64; knows nothing of the model. The model's source is
 //! written once over [`Real`] and serves f64 (the reference), dual numbers (in tests), and lanes of f64 and f32.
 
-/// [`Real::Half`] and its passages of a number that is worked on as a whole.
+/// Implements [`Real::Half`], [`Real::half`] and [`Real::join`] for a number that is not divided.
 macro_rules! undivided {
     () => {
         type Half = Self;
@@ -33,21 +33,21 @@ pub use wide::Wide;
 
 /// A real number, or several side by side in lanes.
 ///
-/// Every method of an implementation for speed must be `#[inline(always)]`, so that the instruction set of the
-/// function at the top of the call tree reaches it.
+/// Every method of an implementation for speed must be `#[inline(always)]`, so that it is compiled for the instruction set of
+/// the function at the top of the call tree.
 pub trait Real:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// One truth value a lane.
+    /// One truth value for each lane.
     type Mask: Mask;
-    /// One clock a lane.
+    /// One clock for each lane.
     type Ticks: Ticks;
     /// The type of one lane.
     type Scalar: Copy + Send + Sync;
-    /// Of two vectors or more one half of them, for work that is done better on fewer at a time; of one the vector itself.
+    /// Half of the vectors, for work that is faster on fewer at a time; for a single vector, the vector itself.
     type Half: Real;
     const LANES: usize;
-    /// How many vectors lie side by side; scalars are none, however many.
+    /// Number of vectors side by side; 0 for scalars, also for several of them, and for [`Wide`], which is not divided.
     const VECTORS: usize = 0;
     /// Ticks of a clock in a forcing period: a power of two, so that the length of a tick is exact.
     const PERIOD_TICKS: f64;
@@ -74,25 +74,25 @@ pub trait Real:
     fn less(self, other: Self) -> Self::Mask;
     /// `yes` where the mask is true, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
-    /// A whole number of ticks within one of `self`, which is 0 to [`Real::PERIOD_TICKS`].
+    /// A whole number of ticks that differs from `self` by at most one. `self` is from 0 to [`Real::PERIOD_TICKS`].
     fn to_ticks(self) -> Self::Ticks;
     fn from_ticks(ticks: Self::Ticks) -> Self;
     /// The first half (0) or the second (1).
     fn half(self, index: usize) -> Self::Half;
-    /// The number with these halves; the first of them if it is one vector.
+    /// The number with these halves; if it is not divided, the first of them.
     fn join(halves: [Self::Half; 2]) -> Self;
 
-    /// Both as they are, but that nothing made of one is computed before the other is known: see [`Real::in_step`].
+    /// Returns both unchanged. Nothing that depends on one is computed before the other is known: see [`Real::in_step`].
     #[inline(always)]
     fn together(self, other: Self) -> (Self, Self) {
         (self, other)
     }
 
-    /// The same number, but that nothing made of one of its vectors is computed before all of them are known.
+    /// Returns the number unchanged. Nothing that depends on one of its vectors is computed before all of them are known.
     ///
-    /// A vector whose operations wait for each other leaves most of a core idle, and others beside it use what it leaves, as
-    /// long as the program has their operations in turn. Compilers put one vector's after another's where that saves
-    /// registers; this keeps them from it, at no cost in instructions.
+    /// A vector whose operations wait for each other leaves most of a core idle. Other vectors can use this time, if the program
+    /// has the operations of all vectors in turn. Where that saves registers, compilers place all operations of one vector before
+    /// those of the next; this function prevents that, and costs no instruction.
     #[inline(always)]
     #[must_use]
     fn in_step(self) -> Self {
@@ -112,7 +112,7 @@ pub trait Real:
     }
 }
 
-/// One truth value a lane.
+/// One truth value for each lane.
 pub trait Mask: Copy {
     const LANES: usize;
     fn all(self) -> bool;
@@ -123,10 +123,10 @@ pub trait Mask: Copy {
     fn or(self, other: Self) -> Self;
 }
 
-/// One whole number a lane, up to [`Real::PERIOD_TICKS`]: clocks, which must add up exactly in every number type. An f64
-/// holds such numbers itself; an f32 is too short, and has integers beside it.
+/// One whole number for each lane, up to [`Real::PERIOD_TICKS`]. It is a clock, and must add up exactly in every number type. An
+/// f64 can hold such a number itself; an f32 has too few digits, and has an integer beside it.
 pub trait Ticks: Copy + Send + Sync {
-    /// A whole number that f64 holds.
+    /// The whole number `ticks` in every lane.
     fn splat(ticks: f64) -> Self;
     /// `self - other`, which must not be negative.
     #[must_use]
@@ -158,13 +158,13 @@ impl Mask for bool {
     }
 }
 
-/// Ticks in a period of clocks beside an f32: as many as a 32-bit integer holds with room to spare.
+/// Ticks in a period where an integer clock stands beside an f32: a 32-bit integer holds them with room to spare.
 pub const SHORT_PERIOD_TICKS: f64 = (1u64 << 28) as f64;
 
-/// Ticks in a period of clocks that an f64 holds: with room to be rounded to whole numbers by adding `ROUNDING`.
+/// Ticks in a period where an f64 is the clock: few enough for it to be rounded to a whole number by adding `ROUNDING`.
 pub const LONG_PERIOD_TICKS: f64 = (1u64 << 50) as f64;
 
-/// An f64 of up to a half of this is rounded to the nearest whole number as it is added and taken away again.
+/// Adding this to an f64 of up to half of it, and subtracting it again, rounds the f64 to the nearest whole number.
 pub(crate) const ROUNDING: f64 = (1u64 << 52) as f64;
 
 impl Ticks for u32 {

@@ -1,13 +1,14 @@
 //! Two numbers (scalars or vectors) worked on together.
 //!
-//! Owns nothing but the repetition, as [`super::Wide`] does, without its loops: a step of many hundred operations has a
-//! loop for each there, over which compilers take minutes.
+//! Owns nothing but the repetition, as [`super::Wide`], but without loops: with `Wide`, a step of many hundred operations has a
+//! loop for each of them, and compilers take minutes for that. A pair of plain scalars is also the portable lane type, which the
+//! compiler vectorises for the machine's baseline.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Mask, Real, Ticks};
 
-/// Two numbers, masks or clocks side by side; the first lanes are the first's.
+/// Two numbers, masks or clocks side by side; the first lanes belong to the first one.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair<T>(pub T, pub T);
 

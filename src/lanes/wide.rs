@@ -1,18 +1,18 @@
 //! Several numbers (scalars or vectors) worked on together.
 //!
-//! Owns nothing but the repetition: one vector in flight waits for its own latency, four hide it. Over plain scalars
-//! it is also the portable lane type, which the compiler vectorises for the machine's baseline.
+//! Owns nothing but the repetition: the operations of one vector wait for each other; with four vectors, those of the others
+//! fill the time.
 
 #![allow(
     clippy::needless_range_loop,
-    reason = "arrays are walked side by side: indices say so best"
+    reason = "several arrays are indexed together: an index shows this best"
 )]
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Mask, Real, Ticks};
 
-/// `K` numbers side by side; the first `R::LANES` lanes are the first number's.
+/// `K` numbers side by side; the first `R::LANES` lanes belong to the first number.
 #[derive(Clone, Copy, Debug)]
 #[repr(transparent)]
 pub struct Wide<R, const K: usize>([R; K]);

@@ -12,13 +12,14 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use super::{Limits, Machine, MachineError, Material, SI_QUANTITIES, SiQuantity};
 use crate::parameters;
 
-/// A complete file, with comments: the machine of the paper's preset, as far as there is one.
+/// A complete file, with comments: a machine that has the paper's preset, though it is not a realistic one.
 pub const TEMPLATE: &str = include_str!("template.toml");
 
 /// A machine as far as it is written down. [`Description::complete`] makes it a [`Machine`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Description {
-    /// In SI units. With [`SiQuantity::Length`] among them, extensive ones are of the whole part, else per metre of contact length.
+    /// In SI units. If [`SiQuantity::Length`] is among them, the extensive values are those of the whole parts; otherwise they
+    /// are per metre of contact length.
     pub values: BTreeMap<SiQuantity, f64>,
     /// Gives the constants that `values` leaves out, and the limits.
     pub material: Option<&'static Material>,
@@ -94,10 +95,10 @@ impl Description {
         Ok(toml::from_str(text)?)
     }
 
-    /// Sets a value over the one that is written.
+    /// Sets a value; it replaces the one that is written.
     ///
     /// # Errors
-    /// [`MachineError::NoLength`] for a contact length where the values are not those of whole parts.
+    /// [`MachineError::NoLength`] for a contact length, if the values are not those of whole parts.
     pub fn set(&mut self, quantity: SiQuantity, value: f64) -> Result<(), MachineError> {
         if quantity == SiQuantity::Length && !self.values.contains_key(&quantity) {
             return Err(MachineError::NoLength(quantity));
@@ -106,12 +107,12 @@ impl Description {
         Ok(())
     }
 
-    /// The machine; `axes` are quantities that vary, with the value that the machine itself has.
+    /// The machine. `axes` are the quantities that vary, each with the value that it has in this machine.
     ///
     /// # Errors
-    /// [`MachineError::Missing`] with all that is left out, [`MachineError::Range`], or [`MachineError::NoLength`] if the
-    /// contact length is an axis of a machine whose values are not those of whole parts. Whether k* is positive is for
-    /// [`Machine::check_groups`] to say.
+    /// [`MachineError::Missing`] with all quantities that are left out, [`MachineError::Range`], or [`MachineError::NoLength`] if
+    /// the contact length is an axis of a machine whose values are not those of whole parts. This does not check that k* is
+    /// positive; [`Machine::check_groups`] does.
     pub fn complete(&self, axes: &[(SiQuantity, f64)]) -> Result<Machine, MachineError> {
         let axis = |quantity| axes.iter().find(|(axis, _)| *axis == quantity).map(|(_, value)| *value);
         let is_whole = self.values.contains_key(&SiQuantity::Length);
@@ -160,12 +161,12 @@ impl Description {
 }
 
 impl Machine {
-    /// The machine as it is written, with every value but those of `axes`, so that a later table of materials changes
-    /// nothing.
+    /// The machine as it is written in a file, with every value except those of `axes`. A later change of the table of materials
+    /// therefore changes nothing.
     pub fn description(&self, axes: &[SiQuantity]) -> Description {
         let values = self
             .quantities()
-            // without a contact length the others would be read as per metre
+            // without a contact length, the other values would be read as values per metre
             .filter(|quantity| *quantity == SiQuantity::Length || !axes.contains(quantity))
             .map(|quantity| (quantity, self.value(quantity)))
             .collect();

@@ -29,7 +29,7 @@ pub(super) struct Dual {
 }
 
 impl Dual {
-    /// The quantity itself.
+    /// The quantity itself, as a variable: its derivative with respect to itself is 1.
     pub fn variable(quantity: SiQuantity, value: f64) -> Self {
         let mut slopes = [0.0; SiQuantity::COUNT];
         slopes[quantity as usize] = 1.0;

@@ -4,7 +4,7 @@ use super::SiQuantity;
 use super::materials::MATERIALS;
 use crate::parameters::ParameterError;
 
-/// Why something is no machine.
+/// Why a description is not a machine.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages tell what each is")]
 pub enum MachineError {
@@ -48,7 +48,7 @@ pub enum MachineError {
     Spring {
         /// In N/m^2.
         k_star: f64,
-        /// Lengths in m: the springs' without load and at angle 0, and what the former must exceed.
+        /// Lengths of the springs in m: `l0` without load, `l1` at angle 0, and `least`, which `l0` must exceed.
         l0: f64,
         l1: f64,
         least: f64,

@@ -8,10 +8,10 @@ use super::dual::Number;
 use super::quantities::SiQuantity as Q;
 use crate::parameters::Parameter;
 
-/// Parameters that a machine determines.
+/// Number of parameters that a machine determines.
 pub(super) const DETERMINED: usize = 13;
 
-/// The dimensionless groups of a machine, and the scales that lead back.
+/// The dimensionless groups of a machine, and the scales that convert results to SI units.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Groups<T> {
     /// k* in N/m^2: the negative stiffness of the springs at angle 0, over R2^2.
@@ -41,11 +41,11 @@ pub(super) struct Groups<T> {
 /// F0 = f0, alpha = f1 V*, beta = f3 V*^3       omega_0 = omega' t*, omega_k = Omega_k t*, zeta_k = Omega_a t*
 /// ```
 ///
-/// with k1, k2, k3, c and B2 over the contact length. What cancels in them is left out, so that no derivative is rounding noise
-/// where it is 0: t*^2/B2 is 1/(k* R2^2), P* is E1 U*/((1 + nu1)(1 - 2 nu1) R1), k_w knows no U*, and only k* and epsilon, of
-/// which h1 is made, know the contact length. `gamma` is the paper's gamma times its omega-tilde; without eta it is
-/// E alpha/((1 - 2 nu) rho c), the Grueneisen parameter of the shaft's material, which is between 1 and 2.5 for most metals.
-/// Where k* is not positive, t* is no number, nor is what depends on it.
+/// with k1, k2, k3, c and B2 divided by the contact length. Factors that cancel are left out of the code, so that a derivative
+/// that is 0 is exactly 0, without rounding errors: t*^2/B2 is 1/(k* R2^2), P* is E1 U*/((1 + nu1)(1 - 2 nu1) R1), k_w does not
+/// contain U*, and only k* and epsilon, and through epsilon h1, contain the contact length. `gamma` is the paper's gamma times
+/// its omega-tilde; without eta it is E alpha/((1 - 2 nu) rho c), the Grueneisen parameter of the shaft's material, which is
+/// between 1 and 2.5 for most metals. Where k* is not positive, t* is no number; nor are the groups that depend on it.
 pub(super) fn groups<T: Number>(of: impl Fn(Q) -> T) -> Groups<T> {
     let number = T::constant;
     let one = number(1.0);
@@ -64,7 +64,7 @@ pub(super) fn groups<T: Number>(of: impl Fn(Q) -> T) -> Groups<T> {
     let (conductivity, diffusivity) = (of(Q::ThermalConductivity), of(Q::ThermalDiffusivity));
     let interference = of(Q::Interference);
 
-    // of the whole contact length, as are the springs
+    // for the whole contact length, as the springs are
     let spring = k1 * (l0 / l1 - one) * (one + l1 / r2) - k2;
     let stiffness = spring * r2 * r2;
     let time = (b2 / stiffness).sqrt();
@@ -106,7 +106,7 @@ pub(super) fn groups<T: Number>(of: impl Fn(Q) -> T) -> Groups<T> {
     }
 }
 
-/// The quantity to change where the parameter is to be another; None where no machine determines the parameter.
+/// The quantity to change in order to change the parameter; None if no machine determines the parameter.
 pub fn governing(parameter: Parameter) -> Option<Q> {
     Some(match parameter {
         Parameter::ZetaK => Q::ShaftSpeedAmplitude,

@@ -43,9 +43,9 @@ impl Material {
     }
 }
 
-/// Every material, the paper's first. Diffusivities that a source does not list are conductivity over density and specific
-/// heat. Expansion is the mean from 20 to 100 °C or so, of brass to 200 °C. Strengths are specified minima of 304, 1020, grey
-/// iron and titanium, typical of copper and aluminium, the least of annealed brass.
+/// Every material, the paper's first. A diffusivity that the source does not list is the conductivity divided by density and
+/// specific heat. The expansion is the mean from 20 to about 100 °C, for brass to 200 °C. The strengths of 304, 1020, grey iron
+/// and titanium are specified minima; those of copper and aluminium are typical values; that of annealed brass is the least one.
 pub const MATERIALS: &[Material] = &[
     Material {
         name: "paper_steel",

@@ -37,7 +37,7 @@ pub use sensitivities::{Group, Sensitivities, sensitivities};
 
 use crate::parameters::{Parameter, ParameterSet};
 
-/// Temperatures and strength by which results are judged; they enter no formula.
+/// Temperatures and a strength with which results are compared; they enter no formula.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// T0 in K.
@@ -52,13 +52,13 @@ pub struct Limits {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Machine {
     values: [f64; SiQuantity::COUNT],
-    /// Whether values are those of whole parts; if not, the contact length is 1.
+    /// Whether values are those of whole parts. If not, they are per metre of contact length, and the contact length is 1.
     is_whole: bool,
     material: Option<&'static Material>,
     limits: Limits,
 }
 
-/// What a dimensionless result is to be multiplied with to be one in SI units: equation (2.7).
+/// The factors that convert dimensionless results to SI units: equation (2.7).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {
     /// t* in s.
@@ -76,21 +76,21 @@ pub struct Scales {
 /// A scale by its kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// t*, which leads from tau to time.
+    /// t*, which converts tau to time.
     Time,
-    /// T*, which leads from theta to the temperature above T0.
+    /// T*, which converts theta to the temperature above T0.
     Temperature,
-    /// P*, which leads from p to the contact pressure.
+    /// P*, which converts p to the contact pressure.
     Pressure,
-    /// U*, which leads from u_w to the depth of wear.
+    /// U*, which converts u_w to the depth of wear.
     Length,
 }
 
 impl Scale {
-    /// Every kind. V* is none of them: no quantity of a map is a speed in SI units.
+    /// Every kind. V* is not among them, because no quantity of a map is a speed in SI units.
     pub const ALL: [Self; 4] = [Self::Time, Self::Temperature, Self::Pressure, Self::Length];
 
-    /// The unit of what the scale leads to.
+    /// The unit of the converted result.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Time => "s",
@@ -112,7 +112,7 @@ impl Scale {
 }
 
 impl Scales {
-    /// In the unit that [`Scale::unit`] tells.
+    /// The value of a scale, in the unit that [`Scale::unit`] gives.
     pub fn of(&self, scale: Scale) -> f64 {
         match scale {
             Scale::Time => self.time,
@@ -124,7 +124,7 @@ impl Scales {
 }
 
 impl Machine {
-    /// The value of a quantity in the unit that [`Machine::unit`] tells.
+    /// The value of a quantity in the unit that [`Machine::unit`] gives.
     pub fn value(&self, quantity: SiQuantity) -> f64 {
         self.values[quantity as usize]
     }
@@ -136,7 +136,7 @@ impl Machine {
         self
     }
 
-    /// The unit of a quantity's value: that of the whole part where the contact length is given.
+    /// The unit of a quantity's value: the unit of the whole part if the contact length is given.
     pub fn unit(&self, quantity: SiQuantity) -> &'static str {
         let info = quantity.info();
         match info.whole_unit {
@@ -145,7 +145,7 @@ impl Machine {
         }
     }
 
-    /// The quantities that are values of this machine: the contact length only where it is given.
+    /// The quantities that this machine has; the contact length is among them only if it is given.
     pub fn quantities(&self) -> impl Iterator<Item = SiQuantity> + use<> {
         let is_whole = self.is_whole;
         SI_QUANTITIES
@@ -173,7 +173,7 @@ impl Machine {
         self.groups().spring
     }
 
-    /// What leads back to SI units; no numbers where k* is not positive.
+    /// The scales to SI units. Where k* is not positive, t* and what depends on it are no numbers.
     pub fn scales(&self) -> Scales {
         let groups = self.groups();
         Scales {
@@ -185,8 +185,8 @@ impl Machine {
         }
     }
 
-    /// The dimensionless parameters, of which the machine leaves `epsilon_0`, `ramp_rate`, `x0` and `y0` as they are in
-    /// `free`. They are no numbers where k* is not positive.
+    /// The dimensionless parameters. The machine does not determine `epsilon_0`, `ramp_rate`, `x0` and `y0`; these are taken from
+    /// `free`. Where k* is not positive, the parameters that depend on t* are no numbers.
     pub fn parameters(&self, free: &ParameterSet) -> ParameterSet {
         let groups = self.groups();
         groups
@@ -216,11 +216,11 @@ impl Machine {
         description::check_range(quantity, value, self.unit(quantity))
     }
 
-    /// As [`Machine::check`], of a machine whose single values are within their ranges.
+    /// As [`Machine::check`], for a machine whose single values are known to be within their ranges.
     ///
     /// # Errors
     /// As [`Machine::check`].
-    #[expect(clippy::missing_panics_doc, reason = "something governs every group")]
+    #[expect(clippy::missing_panics_doc, reason = "every group has a governing quantity")]
     pub fn check_groups(&self) -> Result<(), MachineError> {
         let radii = [
             SiQuantity::Interference,

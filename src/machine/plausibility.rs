@@ -1,16 +1,16 @@
 //! Whether a machine, and what it does, could exist.
 //!
-//! Owns the bounds and the words of the warnings; what is wrong in itself is refused elsewhere.
+//! Owns the bounds and the words of the warnings; impossible values are refused elsewhere.
 
 use std::f64::consts::PI;
 
 use super::units::{five_digits, si};
 use super::{Limits, Machine, SiQuantity};
 
-/// A value is warned of where it is this many times outside the usual range...
+/// There is a warning if a value lies outside the usual range by this factor...
 const FAR: f64 = 10.0;
 
-/// ...and a bush whose mean density lies outside these, in kg/m^3, by that factor: from plastic to tungsten.
+/// ...and if the mean density of the bush lies outside these bounds, in kg/m^3, by that factor: from plastic to tungsten.
 const DENSITIES: (f64, f64) = (1e3, 2e4);
 
 /// An ambient temperature below this, in K, is likely one in °C.
@@ -19,7 +19,8 @@ const COLD: f64 = 150.0;
 /// Angles beyond this, in rad, are far from those for which the moment of the springs, taken to third order, holds.
 const FAR_ANGLE: f64 = 1.5;
 
-/// How far a magnitude lies outside a range, in orders of magnitude, if [`FAR`]; negative below.
+/// How far a magnitude lies outside a range, in orders of magnitude, negative below the range; None unless it is outside by the
+/// factor [`FAR`].
 fn orders(value: f64, (low, high): (f64, f64)) -> Option<f64> {
     let value = value.abs();
     if value > 0.0 && value * FAR <= low * (1.0 + 1e-9) {
@@ -36,8 +37,9 @@ fn far(orders: f64) -> String {
     format!("{:.1} orders of magnitude {side}", orders.abs())
 }
 
-/// What is unlikely of machines, which are the corners of a region: values outside the usual ranges by an order of magnitude
-/// or more, a bush of an impossible density, and an ambient temperature in which no machine runs. Each a sentence.
+/// Warnings about unlikely machines, one sentence each. The machines are the corners of a region. The warnings concern values
+/// outside the usual ranges by an order of magnitude or more, a bush of an impossible density, and an ambient temperature at
+/// which no machine runs.
 ///
 /// # Panics
 /// If there is no machine.
@@ -87,7 +89,7 @@ pub fn plausibility_warnings(corners: &[Machine]) -> Vec<String> {
             }
         ));
     }
-    // of all corners, since limits are no axes
+    // the limits are the same at all corners, since they are no axes
     let limits = machine.limits();
     let ambient = limits.ambient_temperature;
     if ambient < COLD {
@@ -107,7 +109,7 @@ pub fn plausibility_warnings(corners: &[Machine]) -> Vec<String> {
     warnings
 }
 
-/// Of a tube from R1 to R2 with the bush's moment of inertia, B2 = (pi/2) rho (R2^4 - R1^4).
+/// The density of a tube from R1 to R2 with the bush's moment of inertia, B2 = (pi/2) rho (R2^4 - R1^4).
 fn density(machine: &Machine) -> f64 {
     let value = |quantity| machine.value(quantity);
     let (r1, r2) = (value(SiQuantity::ShaftRadius), value(SiQuantity::BushRadius));
@@ -115,7 +117,7 @@ fn density(machine: &Machine) -> f64 {
     2.0 * inertia / (PI * (r2.powi(4) - r1.powi(4)))
 }
 
-/// A limit of the material or of the model that is passed.
+/// A limit of the material or of the model that is exceeded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs, reason = "each has what is reached and the limit that it passes")]
 pub enum Beyond {
@@ -137,7 +139,7 @@ impl Beyond {
         }
     }
 
-    /// How many times the limit is reached.
+    /// The value that is reached, divided by the limit.
     pub fn factor(&self) -> f64 {
         match self {
             Self::Melting { reached, limit } | Self::Yield { reached, limit } | Self::Angle { reached, limit } => {
@@ -174,8 +176,8 @@ impl std::fmt::Display for Beyond {
 }
 
 impl Machine {
-    /// The limits that dimensionless peaks of the pressure p and of the surface temperature theta(1, tau), and the greatest
-    /// magnitude of the angle x, pass: there the model does not hold. What is no number passes none.
+    /// The limits that are exceeded, given the dimensionless peaks of the pressure p and of the surface temperature
+    /// theta(1, tau), and the greatest magnitude of the angle x. Beyond a limit the model does not hold. NaN exceeds no limit.
     pub fn beyond(&self, peak_pressure: f64, peak_temperature: f64, angle: f64) -> Vec<Beyond> {
         let scales = self.scales();
         let Limits {

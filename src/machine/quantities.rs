@@ -38,21 +38,21 @@ pub enum SiQuantity {
 /// What the table says of one quantity.
 #[derive(Clone, Copy, Debug)]
 pub struct SiQuantityInfo {
-    /// Whose row this is.
+    /// The quantity that this row describes.
     pub quantity: SiQuantity,
     /// The name used in commands, files and data.
     pub name: &'static str,
     /// The symbol used in pictures.
     pub symbol: &'static str,
-    /// Of an extensive quantity, that of its value per metre of contact length.
+    /// The unit; for an extensive quantity, the unit of its value per metre of contact length.
     pub unit: &'static str,
-    /// Of an extensive quantity, the unit of the whole part's value, where the contact length is given.
+    /// For an extensive quantity, the unit of the whole part's value, which is used if the contact length is given.
     pub whole_unit: Option<&'static str>,
     /// Exponents of metre, kilogram, second and kelvin in the unit.
     pub dimension: [i32; 4],
     /// Least and greatest admissible value, both included.
     pub range: (f64, f64),
-    /// Least and greatest value that is usual in machines, of the magnitude; what lies far outside is warned of.
+    /// Least and greatest magnitude that is usual in machines; a value far outside causes a warning.
     pub usual: (f64, f64),
     /// Where the quantity enters: equation of Awrejcewicz and Pyryev (2006).
     pub source: &'static str,
@@ -79,7 +79,7 @@ macro_rules! quantity_table {
     };
 }
 
-/// A length of a part.
+/// The range of a part's length.
 const SIZE: (f64, f64) = (1e-9, 1e4);
 const ANY: (f64, f64) = (-1e18, 1e18);
 const NOT_NEGATIVE: (f64, f64) = (0.0, 1e18);
@@ -160,7 +160,7 @@ impl SiQuantity {
             .map(|info| info.quantity)
     }
 
-    /// Whether the value belongs to a length of contact: of whole parts it is proportional to that length.
+    /// Whether the quantity is extensive: its value for the whole part is proportional to the contact length.
     pub fn is_extensive(self) -> bool {
         self.info().whole_unit.is_some()
     }

@@ -1,31 +1,32 @@
-//! How the dimensionless groups and the scales move with each quantity.
+//! How the dimensionless groups and the scales change with each quantity.
 //!
-//! Owns the table; the derivatives come exactly from dual numbers through the formulas themselves.
+//! Owns the table; dual numbers give the exact derivatives of the formulas themselves.
 
 use super::dual::Dual;
 use super::groups::{self, Groups};
 use super::{Machine, Scale, SiQuantity};
 use crate::parameters::Parameter;
 
-/// Logarithmic sensitivities d ln(group)/d ln(quantity): by how many per cent a group moves for one per cent of a quantity.
+/// Logarithmic sensitivities d ln(group)/d ln(quantity): by how many per cent a group changes if a quantity changes by one per
+/// cent.
 #[derive(Clone, Debug)]
 pub struct Sensitivities {
     /// Rows, in the table's order.
     pub quantities: Vec<SiQuantity>,
     /// Columns: the parameters that the machine determines, k*, and the scales.
     pub groups: Vec<Group>,
-    /// By row and column; NaN where the group is 0, 0 where the quantity is.
+    /// By row and column; NaN where the group is 0, and 0 where the quantity is 0.
     pub values: Vec<Vec<f64>>,
 }
 
-/// What moves with a quantity.
+/// A number that changes with the quantities.
 #[derive(Clone, Copy, Debug)]
 pub struct Group {
-    /// A parameter's name; `k_star` and those of the scales else.
+    /// The name of the parameter or of the scale, or `k_star`.
     pub name: &'static str,
     /// The symbol used in tables.
     pub symbol: &'static str,
-    /// What it is for the machine: a dimensionless parameter, or a scale or k* in SI units.
+    /// Its value for the machine: a parameter is dimensionless, k* and the scales are in SI units.
     pub value: f64,
 }
 

@@ -97,8 +97,8 @@ fn the_groups_are_those_of_the_formulas_as_the_paper_writes_them() {
     assert!((machine.scales().pressure / pressure - 1.0).abs() < 1e-12);
 }
 
-/// The restoring moment over the contact length at an angle, by elementary geometry: a radial spring between an anchor at
-/// R2 + l1 and the bush's edge, and tangent springs that pull with k2 s + k3 s^3 along s = R2 sin phi, at R2 cos phi.
+/// The restoring moment per contact length at an angle, by elementary geometry: a radial spring between an anchor at R2 + l1 and
+/// the bush's edge, and tangent springs that pull with k2 s + k3 s^3 along s = R2 sin phi, at R2 cos phi.
 fn moment(machine: &Machine, phi: f64) -> f64 {
     let value = |quantity| machine.value(quantity);
     let (r2, l0, l1) = (value(Q::BushRadius), value(Q::SpringFreeLength), value(Q::SpringLength));
@@ -150,7 +150,7 @@ fn groups_do_not_depend_on_the_units_of_length_mass_time_and_temperature() {
     };
     let other = SI_QUANTITIES
         .iter()
-        // the length that per-metre values are divided by is 1, whatever a metre
+        // values per metre have the contact length 1 in any unit of length
         .filter(|info| info.quantity != Q::Length)
         .fold(machine, |changed, info| {
             changed.with(info.quantity, machine.value(info.quantity) * in_units(info.dimension))
@@ -219,7 +219,7 @@ fn sensitivities_are_those_of_finite_differences_and_keep_dimensions() {
             );
         }
     }
-    // a change of the unit of length, mass, time or temperature moves no group, and k* as its unit says
+    // a change of the unit of length, mass, time or temperature changes no group; it changes k* as the unit of k* says
     for base in 0..4 {
         for (index, group) in table.groups.iter().enumerate().take(groups::DETERMINED + 1) {
             let rows = table.quantities.iter().zip(&table.values);
@@ -265,7 +265,7 @@ fn what_is_proposed_to_be_changed_changes_the_parameter() {
             None => assert!(!determined, "{}", info.name),
         }
     }
-    // exactly, not up to rounding
+    // the derivative is exactly 0, not only up to rounding
     for (quantity, parameter) in [
         (Q::WearCoefficient, Parameter::Gamma),
         (Q::ShaftRadius, Parameter::KW),
@@ -286,7 +286,7 @@ fn a_description_is_read_back_as_it_was_written() {
         let text = toml::to_string(&machine.description(&[])).unwrap();
         let again = Description::from_toml(&text).unwrap().complete(&[]).unwrap();
         assert_eq!(again, machine);
-        // an axis is left out, and may be
+        // the value of an axis is left out, and is not needed
         let text = toml::to_string(&machine.description(&[Q::Damping])).unwrap();
         let partial = Description::from_toml(&text).unwrap();
         assert!(matches!(partial.complete(&[]), Err(MachineError::Missing { missing }) if missing == [Q::Damping]));
@@ -376,7 +376,7 @@ fn every_material_makes_a_machine_with_a_grueneisen_parameter_of_a_metal() {
         assert!(material.melting_point > 800.0 && material.yield_strength > 5e7 && !material.source.is_empty());
         assert_eq!(Material::from_name(material.name), Some(material));
     }
-    // the constants go over the material's
+    // constants in the file replace those of the material
     let toml = TEMPLATE.replace("# youngs_modulus = 190e9", "youngs_modulus = 95e9");
     let softer = Description::from_toml(&toml).unwrap().complete(&[]).unwrap();
     assert!((of(&softer)[Parameter::Gamma] / of(&template())[Parameter::Gamma] - 0.5).abs() < 1e-12);
@@ -385,7 +385,7 @@ fn every_material_makes_a_machine_with_a_grueneisen_parameter_of_a_metal() {
 #[test]
 fn no_heat_and_no_wear_are_exact() {
     let parameters = of(&changed(&[(Q::WearEnergyShare, 1.0), (Q::WearCoefficient, 0.0)]));
-    assert!(!parameters.is_rubbed());
+    assert!(!parameters.has_heat_or_wear());
 }
 
 #[test]
@@ -408,7 +408,7 @@ fn unlikely_machines_are_warned_of_and_likely_ones_are_not() {
         (Q::HeatTransfer, 1e4),
     ]);
     assert_eq!(plausibility_warnings(&[likely]), [""; 0]);
-    // the worst corner is told
+    // the warning names the worst corner
     let warnings = plausibility_warnings(&[likely, likely.with(Q::Interference, 1e-8)]);
     assert!(
         warnings.len() == 1 && warnings[0].contains("10 nm is 2.0 orders"),

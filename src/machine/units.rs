@@ -3,7 +3,7 @@
 /// Prefixes of units, by their power of a thousand from 10^-12 on.
 const PREFIXES: [&str; 9] = ["p", "n", "µ", "m", "", "k", "M", "G", "T"];
 
-/// A unit with a prefix, and what a value in the plain unit is multiplied with.
+/// A unit with a prefix, and the factor that converts a value in the plain unit to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unit {
     /// 1000 for a prefix milli.
@@ -21,8 +21,8 @@ impl Unit {
         }
     }
 
-    /// The unit with the prefix that suits values of this magnitude, where its first part may have one: m, s, Pa, N.. and
-    /// W.., but not a power such as m² or s³.
+    /// The unit with the prefix that suits values of this magnitude, if its first part may have a prefix: m, s, Pa, N.. and W..
+    /// may have one, a power such as m² or s³ may not.
     pub fn suited(unit: &str, magnitude: f64) -> Self {
         let takes_prefix = ["m", "s", "Pa"].contains(&unit) || unit.starts_with('N') || unit.starts_with('W');
         if !takes_prefix || !magnitude.is_finite() || magnitude == 0.0 {

@@ -9,10 +9,10 @@ use crate::backend::{Backend, BackendError, Instance, check_model};
 use crate::experiment::{Sampling, Settings};
 use crate::parameters::ParameterSet;
 
-/// Runs a batch from where it begins, points by [`Instance::starts`], to its measurements. `progress` hears after every slice how many
-/// instance-periods of a run at full length it did, and may break the run off; then None is returned.
+/// Measures a batch of instances; [`Instance::starts`] makes instances of points. After every slice, `progress` hears how many
+/// instance-periods of a run at full length were done. It may break the run off; the result is then None.
 ///
-/// Instances whose contact wears have no transient: all their motion is one, and everything of it is measured, over
+/// If the contact wears, the whole motion is transient. Such a run has no separate transient part: all of it is measured, over
 /// `sampling.periods`.
 ///
 /// # Errors
@@ -29,8 +29,8 @@ pub fn measure_batch(
             .filter(|&index| wanted(&instances[index].parameters))
             .collect()
     };
-    let constant = with(&|set| !set.is_rubbed());
-    let heated = with(&|set| set.is_rubbed() && !set.wears());
+    let constant = with(&|set| !set.has_heat_or_wear());
+    let heated = with(&|set| set.has_heat_or_wear() && !set.wears());
     let wearing = with(&ParameterSet::wears);
     let mut measured = vec![None; instances.len()];
     let whole_run = u64::from(settings.sampling.transient_periods) + u64::from(settings.sampling.periods);
@@ -54,9 +54,9 @@ pub fn measure_batch(
             .iter()
             .map(|&index| undriven::instance(instances[index]))
             .collect();
-        // all kinds count as a whole run, which is what was announced
+        // every kind counts as a whole run, because the announced amount of work is that of whole runs
         let progress = &mut |instance_periods: u64| progress(instance_periods * whole_run / share);
-        let batch = if instances[0].parameters.is_rubbed() {
+        let batch = if instances[0].parameters.has_heat_or_wear() {
             measure_heated(backend, settings, &instances, progress)?
         } else {
             measure_constant(backend, settings, &instances, progress)?
@@ -71,8 +71,8 @@ pub fn measure_batch(
     Ok(measured.into_iter().collect())
 }
 
-/// Measures instances of constant contact pressure; what the scheme could not finish is completed, and what it may be wrong by is
-/// part of the errors.
+/// Measures instances of constant contact pressure. Other schemes complete what the scheme could not finish, and the errors
+/// include the scheme's share.
 fn measure_constant(
     backend: &mut dyn Backend,
     settings: &Settings,
@@ -86,7 +86,7 @@ fn measure_constant(
     Ok(estimated.map(|()| measured))
 }
 
-/// Measures instances with heat or wear, all of which wear or none.
+/// Measures instances with heat or wear. Either all of them wear, or none does.
 fn measure_heated(
     backend: &mut dyn Backend,
     settings: &Settings,

@@ -14,25 +14,25 @@ pub enum Class {
     Regular,
     /// Stays on a torus: neighbouring orbits neither part nor meet.
     QuasiPeriodic,
-    /// The errors of the exponent leave open which of them it is.
+    /// The error of the exponent is too large to decide which of these it is.
     Undecided,
-    /// On a cycle, or at rest, where it stays although disturbances grow: no attractor.
+    /// Stays on a cycle, or at rest, although disturbances grow: no attractor.
     Unstable,
 }
 
 /// The weighted Birkhoff average of a quasi-periodic orbit's exponent lies within this of zero...
 pub const QUASI_PERIODIC_BOUND: f64 = 1e-3;
 
-/// ...and its standard error below this. The growth along such an orbit only swings, so that its mean converges fast;
-/// where it does not, an average near zero is chance.
+/// ...and its standard error below this. The growth along such an orbit only oscillates, so that its mean converges fast. If the
+/// mean does not converge, an average near zero is a coincidence.
 pub const QUASI_PERIODIC_ERROR: f64 = 5e-3;
 
-/// A standard error below this means the same growth in every period: the orbit is on its cycle. Where the growth is
-/// positive it began on an unstable cycle and never left it, which is neither chaos nor an attractor.
+/// A standard error below this means the same growth in every period: the orbit is on its cycle. If the growth is positive, the
+/// orbit began on an unstable cycle and never left it. This is neither chaos nor an attractor.
 pub const CONSTANT_GROWTH: f64 = 1e-6;
 
-/// Over the measurement of a chaotic orbit a disturbance grows at least by e to this power. A mean growth that is less, however
-/// steady, cannot be told from the slow convergence of an orbit on the line of a bifurcation.
+/// Over the measurement of a chaotic orbit, a disturbance grows at least by e to this power. Less growth, however steady, cannot
+/// be distinguished from the slow convergence of an orbit at a bifurcation.
 pub const CHAOTIC_GROWTH: f64 = 1.0;
 
 /// The cycle on which an orbit was found at the end of its run.
@@ -64,7 +64,7 @@ impl Class {
     /// - quasi-periodic: `|birkhoff| <` [`QUASI_PERIODIC_BOUND`] and `error <` [`QUASI_PERIODIC_ERROR`];
     /// - undecided: all else.
     pub fn of(lyapunov: f64, error: f64, interval: f64, cycle: Option<Cycle>, birkhoff: f64) -> Self {
-        // a laminar phase of chaos can pass for a cycle, but does not attract
+        // a laminar phase of chaos can look like a cycle, but it does not attract
         let is_constant = error < CONSTANT_GROWTH;
         if cycle.is_some_and(|cycle| cycle.growth_rate < 0.0) {
             Self::Regular

@@ -1,4 +1,4 @@
-//! A cycle, from some turns of an orbit along it.
+//! The measurement of a cycle from some turns of an orbit along it.
 //!
 //! Owns what makes a cycle certain, and its measurement.
 
@@ -11,36 +11,37 @@ use crate::dynamics::divergence_check::CHECKED_EVERY;
 use crate::dynamics::floquet::{Multipliers, Turn};
 use crate::experiment::{Sampling, Settings};
 
-/// Turns that are watched: two for the multipliers, one more for how sure they are.
+/// Turns that are watched: two for the multipliers, and one more for their errors.
 const TURNS: u32 = 3;
 
-/// An orbit is on a cycle once it is this near, by what the multipliers make of its last turns. They are then good to about
-/// as much.
+/// An orbit counts as on a cycle if its distance from the cycle is below this, estimated from the last turn and the multipliers.
+/// The multipliers then have about the same accuracy.
 const NEAR: f64 = 1e-5;
 
-/// States of a turn are the same if they are apart by no more than so many times what the orbit has to go to its cycle
-/// from both: once by the triangle's inequality, and more where directions are stretched unequally.
+/// Two states of a turn are the same if their distance is at most this many times the sum of their distances from the cycle. The
+/// triangle inequality gives a factor of 1; more is needed where directions are stretched unequally.
 const APART: f64 = 4.0;
 
-/// Without a drive there is no cycle of forcing periods but rest: x then stays within this.
+/// Without a drive, the only cycle of forcing periods is a state of rest: x then varies by less than this.
 const REST: f64 = 1e-4;
 
-/// Rounding of a forcing period, in units of the number type's last place; over more of them it adds up as random steps do.
+/// Rounding error of one forcing period, in units of the number type's last place. Over several periods it grows like a random
+/// walk.
 const ROUNDING: f64 = 100.0;
 
 /// An orbit that may be on a cycle.
 pub(super) struct Candidate {
     pub instance: Instance,
-    /// Of the cycle or a multiple of it, in forcing periods.
+    /// The period of the cycle or a multiple of it, in forcing periods.
     pub period: u32,
 }
 
 /// A candidate after it has been watched.
 pub(super) struct Turned {
     pub end: EndState,
-    /// How long.
+    /// For how many forcing periods it was watched.
     pub periods: u32,
-    /// What is known of it if it is on a cycle, whether that attracts or not.
+    /// The measurement of its cycle, attracting or not; None if it is not certain to be on one.
     pub measurement: Option<Measurement>,
 }
 
@@ -88,12 +89,12 @@ fn turn_alike(
     let mut tracks: Vec<Track> = candidates.iter().map(|candidate| Track::new(candidate)).collect();
     let mut ends = Vec::new();
     for turn in 0..TURNS {
-        // of the last two turns every state is looked at
+        // every state of the last two turns is needed
         let periods = if turn == 0 { period } else { 1 };
         for done in (0..period).step_by(periods as usize) {
             let first = turn * period + done;
             backend.advance(&Slice {
-                // of the last turn the sum of the exponents is checked
+                // in the last turn, the sum of the exponents is checked
                 stage: if turn + 1 == TURNS {
                     Stage::Check
                 } else {
@@ -131,9 +132,9 @@ struct Track {
     tangent: [f64; 2],
     /// Integral of the divergence over all turns.
     divergence: f64,
-    /// By how much both vectors' growth over the last turn misses its divergence.
+    /// Difference between the growth of both vectors over the last turn and the divergence.
     defect: f64,
-    /// States of the last two turns, that in which they began first.
+    /// States of the last two turns; the first one is the state in which these turns began.
     states: Vec<[f64; 2]>,
 }
 
@@ -167,13 +168,13 @@ impl Track {
         self.moved_at(self.states.len() - 1)
     }
 
-    /// How far the last turn has moved a state of it.
+    /// Distance between state `n` and the state one turn before.
     fn moved_at(&self, n: usize) -> f64 {
         distance(self.states[n], self.states[n - self.states.len() / 2])
     }
 
-    /// The least divisor of the turn's periods after which its states are the same, where `reach` tells of two of them by how
-    /// far the turn has moved them how far they may be apart.
+    /// The least divisor of the number of periods in a turn after which the states repeat. Two states are the same if their
+    /// distance is at most `reach`, a function of how far the last turn has moved each of them.
     fn least_period(&self, reach: impl Fn(f64, f64) -> f64) -> usize {
         let turn = self.states.len() / 2;
         let is_same =
@@ -184,8 +185,8 @@ impl Track {
             .unwrap_or(turn)
     }
 
-    /// The measurement of the orbit, which has ended as given; None where it is too far from a cycle, or it is not sure
-    /// whether that attracts.
+    /// The measurement of the orbit, given the state at its end. None if the orbit is too far from a cycle, or if it is not
+    /// certain whether the cycle attracts.
     fn measurement(&self, candidate: &Candidate, end: &EndState, backend: BackendKind) -> Option<Measurement> {
         let parameters = &candidate.instance.parameters;
         let may_be_cycle = parameters.is_driven() || end.x_max - end.x_min < REST;
@@ -195,7 +196,7 @@ impl Track {
         let turn_time = f64::from(candidate.period) * parameters.forcing_period();
         let [before, last] = [0, 1].map(|i| Multipliers::new(&self.turns[i], &self.turns[i + 1]));
         let moduli = last.log_moduli();
-        // an orbit's approach, and what it still changes, shrink by the multiplier in every turn
+        // in every turn, the distance from the cycle and the change of the results shrink by the leading multiplier
         let to_come = match last.leading() {
             leading if leading < 1.0 => leading / (1.0 - leading),
             _ => 0.0,
@@ -211,7 +212,7 @@ impl Track {
         let class = if exponents[0] + 3.0 * errors[0] < 0.0 && left_to_go < NEAR {
             Class::Regular
         } else if exponents[0] - 3.0 * errors[0] > 0.0 && self.moved() == 0.0 {
-            // what comes back to the very same numbers never leaves
+            // an orbit that returns to exactly the same numbers never leaves
             Class::Unstable
         } else {
             return None;
@@ -253,7 +254,8 @@ mod tests {
     use super::*;
     use crate::parameters::ParameterSet;
 
-    /// What is made of an orbit that goes round `cycle`, off it by less and less, where vectors grow alike in every turn.
+    /// The measurement of an orbit that approaches `cycle` from the distance `off`, if vectors grow by the same factors in every
+    /// turn.
     fn watched(cycle: &[[f64; 2]], off: f64, growth: [f64; 2]) -> Option<Measurement> {
         let period = cycle.len() as u32;
         let end = EndState {
@@ -280,7 +282,7 @@ mod tests {
             };
             track.end_turn(&end, &sums, turn + 1 == TURNS);
         }
-        // by the first multiplier in a turn
+        // the distance shrinks by the first multiplier in a turn
         let left = |n: u32| off * (growth[0] * f64::from(n) / f64::from(period)).exp();
         track.states = (0..=2 * period)
             .map(|n| {
@@ -312,7 +314,7 @@ mod tests {
     fn only_what_stands_still_is_on_an_unstable_cycle() {
         let cycle = [[0.5, 0.1], [0.9, -0.2]];
         assert_eq!(watched(&cycle, 0.0, [2.0, -3.0]).unwrap().class, Some(Class::Unstable));
-        // it may be leaving
+        // the orbit may be leaving the cycle
         assert!(watched(&cycle, 1e-9, [2.0, -3.0]).is_none());
         // too far off to tell
         assert!(watched(&cycle, 1e-2, [-2.0, -3.0]).is_none());

@@ -1,26 +1,27 @@
-//! Deciding early: what an instance's motion is, as soon as it shows.
+//! Early decisions: the kind of an instance's motion, as soon as it is clear.
 //!
-//! Owns when instances are looked at and what decides them. The motion of a constant contact pressure is a state and a
-//! tangent vector, so that those left undecided are loaded again as a smaller batch, and decided ones cost nothing. What is
-//! never decided here runs on to its full length.
+//! Owns when instances are examined and what decides them. At constant contact pressure, a state and a tangent vector describe an
+//! instance completely. Undecided instances are therefore loaded again as a smaller batch, and decided ones cost nothing more. An
+//! instance that is never decided here runs to its full length.
 //!
 //! - An orbit that has come near an attracting cycle is regular: the Floquet multipliers of the cycle are its exponents,
 //!   without any average.
 //! - An orbit whose mean growth stands many standard errors above zero is chaotic, if the error can be trusted.
-//! - Runaways, and what the scheme has given up, are dropped.
+//! - Runaways, and instances that the scheme has given up, are dropped.
 
 use std::ops::{ControlFlow, Range};
 
 use super::cycle::{self, Candidate};
-use super::evaluation::{Ended, Growth, runaway};
+use super::evaluation::{Ended, GrowthSums, runaway};
 use super::whole_run;
 use super::{CONSTANT_GROWTH, Class, Measurement, Status};
 use crate::backend::{Backend, BackendError, BackendKind, Contact, EndState, Instance, Slice, Stage, Sums};
 use crate::dynamics::statistics::Spread;
 use crate::experiment::{Sampling, Settings};
 
-/// Lengths of the first legs, in forcing periods: the motion alone at first, then with its tangent vectors. Most cycles are
-/// reached by then; the legs that follow are of [`LATER_LEG`].
+/// Lengths of the first legs, in forcing periods. A leg is a part of the run; at its end, the undecided instances are examined.
+/// The first leg is the motion alone, the others include tangent vectors. Most cycles are reached within these legs; later legs
+/// have the length [`LATER_LEG`].
 const FIRST_LEGS: [u32; 5] = [16, 16, 16, 16, 32];
 const LATER_LEG: u32 = 64;
 
@@ -33,24 +34,25 @@ const BATCH: u32 = 8;
 /// The leg that is summed up period by period, for the scatter of single periods: the first in which growth counts.
 const SAMPLED_FROM: u32 = SETTLING;
 
-/// A motion is chaotic once its mean growth stands so many standard errors above zero...
+/// A motion is chaotic once its mean growth stands this many standard errors above zero...
 const CERTAINTY: f64 = 6.0;
 
-/// ...and so many of those that independent periods would have: where growth alternates between bands, batch means are too sure
-/// until an orbit has slipped from their order several times, and an early decision would pick the runs without a slip, whose
-/// growth is too large...
+/// ...and this many standard errors of independent periods. Where growth alternates between bands, batch means give too small an
+/// error until the orbit has left the order of the bands several times. An early decision would select the runs that have not
+/// left it, and their growth is too large...
 const BANDED_CERTAINTY: f64 = 5.0;
 
-/// ...and by which vectors have grown by more than exp of this: an orbit that leaves an unstable cycle grows steadily, too, from
-/// the distance at which it would have been taken for the cycle, exp(-8.5) by the default tolerance, to that of other motion...
+/// ...and once vectors have grown by more than exp of this. If an orbit leaves an unstable cycle, its distance from the cycle
+/// grows steadily, too: from the distance at which it would have counted as on the cycle, exp(-8.5) with the default tolerance,
+/// to that of other motion...
 const GROWN: f64 = 9.0;
 
-/// ...over at least this many periods, and half of those that were asked for: so that errors are worth what they claim, and
-/// more periods give a smaller one.
+/// ...over at least this many periods, so that the errors are reliable, and over at least half of the periods that were asked
+/// for, so that more periods give a smaller error.
 const LEAST_PERIODS: u32 = 192;
 
-/// Measures a batch of instances of constant contact pressure. `progress` is told of every instance as if it had run to its full
-/// length, also if it was decided early. None if `progress` stopped the run.
+/// Measures a batch of instances of constant contact pressure. `progress` counts every instance with its full length, also if it
+/// was decided early. None if `progress` stopped the run.
 ///
 /// # Errors
 /// If the backend fails.
@@ -102,18 +104,18 @@ fn legs(transient: u32) -> Vec<Range<u32>> {
 
 /// An instance that is not decided.
 struct Live {
-    /// In the batch as it was at first.
+    /// Index in the batch as it was at first.
     index: usize,
-    /// Where it has got to.
+    /// The instance in its present state.
     instance: Instance,
-    /// Of x, since growth counts.
+    /// Least and greatest x, since growth counts.
     extremes: [f64; 2],
-    growth: Growth,
-    /// Of the growth of single periods.
+    growth: GrowthSums,
+    /// Scatter of the growth of single periods.
     spread: Spread,
     /// The period of the cycle that it may be on.
     candidate: Option<u32>,
-    /// Periods that went into looking at cycles, besides those of the run.
+    /// Periods that were spent on examining cycles, besides those of the run.
     turned: u32,
 }
 
@@ -123,14 +125,14 @@ impl Live {
             index,
             instance: *instance,
             extremes: [f64::INFINITY, f64::NEG_INFINITY],
-            growth: Growth::default(),
+            growth: GrowthSums::default(),
             spread: Spread::default(),
             candidate: None,
             turned: 0,
         }
     }
 
-    /// The instance as one that may be on a cycle.
+    /// The instance as a candidate for a cycle, if it may be on one.
     fn on_cycle(&self) -> Option<Candidate> {
         Some(Candidate {
             instance: self.instance,
@@ -143,7 +145,7 @@ impl Live {
         self.instance.tangent = end.tangent;
     }
 
-    /// Its state as that of a motion that goes on, on no cycle.
+    /// Its present state, as the end state of a motion on no cycle.
     fn passing(&self) -> EndState {
         EndState {
             x: self.instance.state[0],
@@ -158,18 +160,18 @@ impl Live {
         }
     }
 
-    /// Standard error of the exponent over so many periods if each were independent of the others.
+    /// Standard error of the exponent over `periods` periods if each were independent of the others.
     fn independent_error(&self, periods: u32) -> f64 {
         self.spread.independent_error(periods) / self.instance.parameters.forcing_period()
     }
 
-    /// What is left to measure of it once it has run away or been given up.
+    /// Its measurement if it has run away or been given up.
     fn given_up(&self, end: &EndState, kind: BackendKind) -> Option<Measurement> {
         let unresolved = || Measurement::unmeasured(Status::UnderResolved, kind);
         runaway(&self.instance.parameters, end, kind).or_else(|| end.under_resolved.then(unresolved))
     }
 
-    /// Its measurement after so many periods of the run, as that of its point.
+    /// Its measurement after `periods` periods of the run, with the initial state of its point.
     fn own(&self, measurement: Measurement, periods: u32) -> Measurement {
         Measurement {
             integrated_periods: periods + self.turned,
@@ -200,12 +202,12 @@ impl Batch<'_> {
         }
     }
 
-    /// The live instances, where they have got to.
+    /// The live instances in their present states.
     fn present(&self) -> Vec<Instance> {
         self.live.iter().map(|live| live.instance).collect()
     }
 
-    /// Carries all live instances on by a leg; those that end on it are measured.
+    /// Integrates all live instances over a leg; those that run away or are given up are measured.
     fn carry_on(
         &mut self,
         backend: &mut dyn Backend,
@@ -250,7 +252,7 @@ impl Batch<'_> {
         let kind = backend.kind();
         for (live, end) in self.live.iter_mut().zip(backend.end_states()?) {
             live.take(&end);
-            // none of the motion alone, whose states are not compared
+            // None in the leg of the motion alone, whose states are not compared
             live.candidate = end.period;
             if leg.start >= SETTLING {
                 live.extremes = [live.extremes[0].min(end.x_min), live.extremes[1].max(end.x_max)];
@@ -285,7 +287,7 @@ impl Batch<'_> {
         }
         let settings = self.over(periods);
         for live in &self.live {
-            // a laminar phase, or a cycle that has not been reached, may be either
+            // a candidate may be in a laminar phase of chaos, or on the way to a cycle
             if live.candidate.is_some() || self.measured[live.index].is_some() {
                 continue;
             }
@@ -302,7 +304,7 @@ impl Batch<'_> {
                 && lyapunov * measurement.lyapunov_interval > GROWN;
             if measurement.class == Some(Class::Chaotic) && is_certain && error > CONSTANT_GROWTH {
                 self.measured[live.index] = Some(Measurement {
-                    // the weights of a leg are not those of a run
+                    // the Birkhoff weights of single legs are not those of the whole run
                     lyapunov_birkhoff: live.growth.weighted_rate() / live.instance.parameters.forcing_period(),
                     ..measurement
                 });
@@ -310,7 +312,7 @@ impl Batch<'_> {
         }
     }
 
-    /// Drops what has been measured; their full length is reported as done.
+    /// Drops the instances that have been measured, and reports their full length as done.
     fn settle_up(&mut self, elapsed: u32, progress: &mut dyn FnMut(u64) -> ControlFlow<()>) -> ControlFlow<()> {
         let full = self.settings.sampling.transient_periods + self.settings.sampling.periods;
         let measured = &mut self.measured;
@@ -326,7 +328,7 @@ impl Batch<'_> {
         progress(dropped * u64::from(full - elapsed))
     }
 
-    /// Runs what is undecided after `elapsed` periods to its full length.
+    /// Runs the instances that are undecided after `elapsed` periods to their full length.
     fn run_out(
         mut self,
         backend: &mut dyn Backend,

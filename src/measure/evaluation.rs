@@ -1,6 +1,6 @@
-//! From what a backend has summed up of an instance to its measurement.
+//! Turns the sums that a backend has made for an instance into its measurement.
 //!
-//! Owns the evaluation; carries nothing on.
+//! Owns the evaluation; integrates nothing.
 
 use super::{CONSTANT_GROWTH, Class, Cycle, DEFECT_BOUND, DEFECT_FLOOR, Measurement, Status};
 use crate::backend::{BackendKind, EndState, Sums};
@@ -9,21 +9,21 @@ use crate::dynamics::stroboscope;
 use crate::experiment::Settings;
 use crate::parameters::{Parameter, ParameterSet};
 
-/// Where growth alternates between bands, batch means are too sure until an orbit has slipped from their order several times. They
-/// are believed where the mean growth stands above so many of the standard errors that independent periods would have; of other
-/// chaos the error is at least that of independent periods. In 250 periods no more can be told: for chaos of which batch means are
-/// right this is half too large.
+/// Where growth alternates between bands, batch means give too small an error until the orbit has left the order of the bands
+/// several times. They are trusted if the mean growth exceeds this many standard errors of independent periods. For other chaos,
+/// the error is at least that of independent periods. In 250 periods, no better distinction is possible: where the batch means
+/// are right, this error is 50 % too large.
 const BELIEVED: f64 = 6.0;
 
 /// One instance's growth over the whole measurement, in f64.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Growth {
+pub(super) struct GrowthSums {
     /// Length in periods, and growth of the first vector, of each batch.
     batches: Vec<(f64, f64)>,
-    /// The same of the second vector.
+    /// The same for the second vector.
     second_batches: Vec<(f64, f64)>,
     total: Sums,
-    /// Of the growth of single periods, where some were looked at.
+    /// Scatter of the growth of single periods, if some were sampled.
     spread: Spread,
 }
 
@@ -38,7 +38,7 @@ pub(super) struct Ended<'a> {
     pub backend: BackendKind,
 }
 
-/// The measurement of an orbit that ran away; None of another.
+/// The measurement of an orbit that ran away; None for any other orbit.
 pub(super) fn runaway(parameters: &ParameterSet, end: &EndState, backend: BackendKind) -> Option<Measurement> {
     let time = end.runaway_periods? * parameters.forcing_period();
     Some(Measurement {
@@ -48,7 +48,7 @@ pub(super) fn runaway(parameters: &ParameterSet, end: &EndState, backend: Backen
     })
 }
 
-impl Growth {
+impl GrowthSums {
     pub fn add(&mut self, periods: f64, sums: &Sums) {
         self.batches.push((periods, sums.growth[0]));
         self.second_batches.push((periods, sums.growth[1]));
@@ -74,7 +74,7 @@ impl Growth {
             length += batch.0;
             length <= f64::from(periods)
         });
-        // of a single batch, as long as it may be in a long run, nobody knows how sure it is
+        // a single batch, however long, gives no error
         let first = self.batches.len().saturating_sub(within.count().max(2));
         Self {
             batches: self.batches[first..].to_vec(),
@@ -84,7 +84,7 @@ impl Growth {
         }
     }
 
-    /// Growth of the first vector per period, over all batches.
+    /// GrowthSums of the first vector per period, over all batches.
     fn rate(&self) -> f64 {
         rate(&self.batches)
     }
@@ -126,8 +126,9 @@ impl Growth {
         checked(measurement, resolved && !state.under_resolved)
     }
 
-    /// The measurement of an orbit that has settled on an attracting cycle: where what came before had another growth, by
-    /// more than a window's average swings, its exponents are those of the window alone.
+    /// The measurement of an orbit that may have settled on an attracting cycle. The window is the last periods, over which the
+    /// motion repeats. If the mean growth of the whole measurement differs from that of the window by more than the fluctuation
+    /// of an average over the window, the exponents are those of the window alone.
     fn settled(&self, ended: &Ended<'_>, measurement: Measurement) -> Measurement {
         let (Some(period), Some(Class::Regular)) = (ended.state.period, measurement.class) else {
             return measurement;
@@ -180,7 +181,7 @@ impl Growth {
         });
         let lyapunov_interval = f64::from(settings.sampling.periods) * period_time;
         let class = Class::of(lyapunov, lyapunov_error, lyapunov_interval, cycle, lyapunov_birkhoff);
-        // NaN where no single period was looked at
+        // NaN if no single period was sampled
         let independent = self.spread.independent_error(settings.sampling.periods) / period_time;
         let lyapunov_error = if class == Class::Chaotic && lyapunov < BELIEVED * independent {
             lyapunov_error.max(independent)
@@ -217,8 +218,8 @@ impl Growth {
         }
     }
 
-    /// The measurement of a motion with frictional heat or wear. One tangent vector is carried, and with wear the motion
-    /// is a transient: it has an exponent of finite time and no class.
+    /// The measurement of a motion with frictional heat or wear. Only one tangent vector is integrated. With wear the motion is
+    /// transient: it has an exponent of finite time and no class.
     fn rubbed_measurement(&self, ended: &Ended<'_>) -> Measurement {
         let Ended {
             parameters,
@@ -250,12 +251,14 @@ impl Growth {
     }
 }
 
-/// What the scheme may have missed of either exponent, given the maximal one and what their sum misses of the divergence.
+/// The possible error of either exponent by the scheme, given the maximal exponent and the difference between the sum of the
+/// exponents and the divergence.
 ///
-/// What one exponent gains, the other mostly loses. Where a scheme was held against another, an exponent was off by up to 23 times
-/// what the sum missed, and mostly by less than that; three errors are to cover it. A bush that creeps in the friction layer stops
-/// once a step moves x by less than the spacing of the number type, where its speed is not yet what it comes to: friction, and the
-/// exponent with it, are off by that speed over the layer's half-width.
+/// If the scheme makes one exponent too large, it mostly makes the other one too small. In comparisons between schemes, an
+/// exponent was wrong by up to 23 times the difference of the sum, and mostly by less than that; three errors are to cover it. A
+/// bush that creeps in the friction layer stops in the computation once a step moves x by less than the spacing of the number
+/// type. Its speed has then not yet reached its limit. The friction, and with it the exponent, has a relative error of that speed
+/// over the layer's half-width.
 pub(super) fn missed_by_scheme(parameters: &ParameterSet, backend: BackendKind, lyapunov: f64, defect: f64) -> f64 {
     let is_dry = parameters[Parameter::Epsilon] * parameters[Parameter::F0] > 0.0;
     let creep = if is_dry {
@@ -266,10 +269,10 @@ pub(super) fn missed_by_scheme(parameters: &ParameterSet, backend: BackendKind, 
     10.0 * defect.abs() + creep * lyapunov.abs()
 }
 
-/// Speed at which a creeping bush stops, in spacings of the number type: one over a step.
+/// Speed at which a creeping bush stops, in spacings of the number type: 1 over the length of a step.
 const CREEP: f64 = 8.0;
 
-/// Growth per period over batches.
+/// GrowthSums per period over batches.
 fn rate(batches: &[(f64, f64)]) -> f64 {
     let [length, growth] = batches
         .iter()
@@ -277,12 +280,13 @@ fn rate(batches: &[(f64, f64)]) -> f64 {
     growth / length
 }
 
-/// Whether the sum of the exponents is the mean divergence; written so that NaN fails.
+/// Whether the sum of the exponents agrees with the mean divergence; written so that NaN fails.
 pub(super) fn is_resolved(measurement: &Measurement) -> bool {
     measurement.divergence_defect().abs() <= DEFECT_BOUND * measurement.divergence.abs() + DEFECT_FLOOR
 }
 
-/// The measurement of a lasting motion, or that of an under-resolved one if it is not resolved, or if a number of it is none.
+/// The measurement of a lasting motion, or an under-resolved one if the motion is not resolved or if one of the numbers is not
+/// finite.
 pub(super) fn checked(measurement: Measurement, resolved: bool) -> Measurement {
     let finite = [
         measurement.lyapunov,
@@ -298,8 +302,8 @@ pub(super) fn checked(measurement: Measurement, resolved: bool) -> Measurement {
     }
 }
 
-/// Of an under-resolved point only what its contact came to is told: the sums of an instance that was given up stand still,
-/// and would pass for exponents of 0.
+/// The measurement of an under-resolved point: it keeps only the results for the contact. The sums of an instance that was given
+/// up no longer change, and would look like exponents of 0.
 fn unresolved(measurement: &Measurement) -> Measurement {
     Measurement {
         contact: measurement.contact,
@@ -309,10 +313,10 @@ fn unresolved(measurement: &Measurement) -> Measurement {
     }
 }
 
-/// Whether the run was long enough for the cycle's attraction to bring a disturbance of order 1 well below the
-/// tolerance of the period. A spiral that still decays slowly returns near itself after some odd number of periods, which
-/// is not its period. Growth that is the same in every period tells of a cycle from the start. After a chaotic transient
-/// only the last periods are known to have been on the cycle.
+/// Whether the run was long enough for the cycle's attraction to bring a disturbance of order 1 well below the tolerance of the
+/// period. A spiral that still decays slowly returns near itself after some number of periods that is not its period. If the
+/// growth is the same in every period, the orbit was on the cycle from the start. After a chaotic transient only the last periods
+/// are known to have been on the cycle.
 fn reached(cycle: &Cycle, lyapunov: f64, error: f64, settings: &Settings, time: f64, period_time: f64) -> bool {
     if error < CONSTANT_GROWTH {
         return true;
@@ -333,7 +337,7 @@ mod tests {
     use crate::experiment::Sampling;
     use crate::experiment::Scheme;
 
-    /// With heat there are no multipliers: what came before the cycle is left out of the mean.
+    /// With heat there are no multipliers: the motion before the cycle is left out of the mean.
     #[test]
     fn a_transient_is_no_part_of_the_mean_on_a_cycle() {
         let parameters = ParameterSet::default().with(Parameter::Gamma, 0.01);
@@ -356,7 +360,7 @@ mod tests {
             contact: Contact::CONSTANT,
         };
         let measured = |rates: [f64; 2]| {
-            let mut growth = Growth::default();
+            let mut growth = GrowthSums::default();
             for batch in 0..32 {
                 let sums = Sums {
                     growth: [8.0 * rates[usize::from(batch >= 20)], f64::NAN],

@@ -1,8 +1,10 @@
-//! What a scheme could not finish, by the ones that can: taylor in f64, and radau in f64 for what that gives up, on the CPU.
+//! Completes what a scheme could not finish, by other schemes on the CPU: taylor in f64, and radau in f64 for what taylor gives
+//! up.
 //!
-//! Owns which measurements are made anew, and what is taken of them. Explicit steps are held up by stiff motion, however slow: a
-//! bush that sticks in a thin friction layer, strong damping, an escape against friction that grows with the speed. Steps of
-//! radau are as long as the motion is smooth. When within a period an orbit ran away is found here, too, for every scheme.
+//! Owns which measurements are repeated, and what is taken from them. Stiff motion, however slow, forces explicit schemes to very
+//! short steps: a bush that sticks in a thin friction layer, strong damping, an escape against friction that grows with the
+//! speed. Only the smoothness of the motion limits the steps of radau. For every scheme, the time within a period at which an
+//! orbit ran away is found here, too.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -21,8 +23,9 @@ const TOLERANCE: f64 = 1e-8;
 /// Error of a step where an orbit is followed to where it runs away.
 const ESCAPE_TOLERANCE: f64 = 1e-6;
 
-/// Most forcing periods over which an orbit is followed from its start to where it runs away. After more of them number types and
-/// schemes differ by too much. The orbit is then followed from the beginning of the period at whose end its escape was noticed.
+/// Most forcing periods over which an orbit is followed from its start to where it runs away. Over a longer time, number types
+/// and schemes differ by too much. The orbit is then followed from the beginning of the period at whose end its escape was
+/// noticed.
 const MOST_ESCAPE_PERIODS: u32 = 512;
 
 /// Where the sum of the exponents misses the divergence by more than this, relative to 1 + |divergence|, the steps of taylor in
@@ -42,7 +45,7 @@ pub(crate) fn next(scheme: Scheme, kind: BackendKind) -> Scheme {
     }
 }
 
-/// The settings by which `scheme` does what another one gave up.
+/// The settings with which `scheme` replaces another one that gave up.
 pub(crate) fn in_place(settings: &Settings, scheme: Scheme) -> Settings {
     Settings {
         integration: Integration {
@@ -75,10 +78,11 @@ pub(super) fn measure(
 /// Completes the measurements of instances of constant contact pressure by the scheme of `settings` on a backend of this `kind`. None
 /// if `progress` broke it off.
 ///
-/// - Where an orbit ran away, the time is found within the period. An escape that is not confirmed is under-resolved.
-/// - What taylor in f64 gives up, or by which it misses the divergence by more than [`ROUGH`], is measured anew by radau.
-/// - What another scheme or number type gives up is measured anew by taylor in f64. The steps of rk4 and the tolerance of radau
-///   in f64 were asked for as they are: of their points only escapes are taken.
+/// - If an orbit ran away, the time within the period is found. An escape that is not confirmed is under-resolved.
+/// - A point that taylor in f64 gives up, or where its exponents miss the divergence by more than [`ROUGH`], is measured again by
+///   radau.
+/// - A point that another scheme or number type gives up is measured again by taylor in f64. The user chose the steps of rk4 and
+///   the tolerance of radau in f64: for points of these two, only escapes are taken from the new measurement.
 ///
 /// # Errors
 /// If the CPU backend fails.
@@ -106,10 +110,10 @@ fn complete(
     if !given_up.is_empty() {
         let chosen: Vec<_> = given_up.iter().map(|&index| instances[index]).collect();
         // they were reported as done before
-        let mut unheard = |_| progress(0);
+        let mut silent = |_| progress(0);
         let anew = match next(scheme, kind) {
-            Scheme::Radau => one_scheme::measure(&mut backend, &by(Scheme::Radau), &chosen, &mut unheard)?,
-            other => measure(&mut backend, &by(other), &chosen, &mut unheard)?,
+            Scheme::Radau => one_scheme::measure(&mut backend, &by(Scheme::Radau), &chosen, &mut silent)?,
+            other => measure(&mut backend, &by(other), &chosen, &mut silent)?,
         };
         let Some(anew) = anew else {
             return Ok(None);
@@ -125,7 +129,7 @@ fn complete(
         }
     }
     for measurement in measured.iter_mut().filter(|m| has_escaped(m)) {
-        // what is left of an orbit that ran away is when
+        // of an orbit that ran away, only the time is kept
         (measurement.x, measurement.y) = (f64::NAN, f64::NAN);
     }
     Ok(Some(()))
@@ -135,14 +139,14 @@ fn has_escaped(measurement: &Measurement) -> bool {
     matches!(measurement.status, Status::Runaway { .. })
 }
 
-/// An orbit that ran away, and from where it is followed to when it did.
+/// An orbit that ran away, and the state from which it is followed to find the time.
 struct Escape {
-    /// Of its measurement.
+    /// Index of its measurement.
     index: usize,
-    /// The forcing period that it is followed from, and the instance as it was then.
+    /// The forcing period from which it is followed, and the instance at that time.
     start: u32,
     begun: Instance,
-    /// Forcing periods that it is followed over.
+    /// Forcing periods over which it is followed.
     periods: u32,
 }
 
@@ -166,7 +170,7 @@ impl Escape {
         })
     }
 
-    /// The status of an orbit that ran away so long after its start.
+    /// The status of the orbit if it ran away at `time` after the state from which it is followed.
     fn status(&self, time: f64) -> Status {
         Status::Runaway {
             time: f64::from(self.start) * self.begun.parameters.forcing_period() + time,
@@ -174,7 +178,7 @@ impl Escape {
     }
 }
 
-/// Finds when the orbits of `escaped` ran away: by taylor in f64, step by step, and by radau where that gives up.
+/// Finds when the orbits of `escaped` ran away: by taylor in f64, step by step, and by radau where taylor gives up.
 fn time_escapes(
     backend: &mut CpuBackend,
     fallback: &Settings,
@@ -192,7 +196,7 @@ fn time_escapes(
             (escape, time)
         })
         .collect();
-    // those that are followed over equally many periods go together
+    // orbits that are followed over the same number of periods form a batch
     let mut left: BTreeMap<u32, Vec<Escape>> = BTreeMap::new();
     for (escape, time) in escapes {
         match time {
@@ -211,7 +215,7 @@ fn time_escapes(
         .try_for_each(|(periods, escapes)| locate(backend, &settings, periods, &escapes, measured))
 }
 
-/// Follows orbits over some periods to where they run away, by radau; one that does not is under-resolved.
+/// Follows orbits by radau over some periods until they run away; an orbit that does not run away is under-resolved.
 fn locate(
     backend: &mut CpuBackend,
     settings: &Settings,

@@ -10,8 +10,8 @@ use crate::backend::{BackendKind, Contact};
 pub enum Status {
     /// Integrated to the end, or until the motion had shown what it is.
     Ok,
-    /// The state became non-finite, or left |x| + |y| < [`RUNAWAY_BOUND`](crate::model::motion::RUNAWAY_BOUND), or the thermal pressure reached
-    /// [`PRESSURE_BOUND`](crate::dynamics::adaptive::PRESSURE_BOUND).
+    /// The state was no longer finite, or left |x| + |y| < [`RUNAWAY_BOUND`](crate::model::motion::RUNAWAY_BOUND), or the thermal
+    /// pressure reached [`PRESSURE_BOUND`](crate::dynamics::adaptive::PRESSURE_BOUND).
     Runaway {
         /// When, in units of tau from the start of the run.
         time: f64,
@@ -21,13 +21,13 @@ pub enum Status {
     UnderResolved,
 }
 
-/// Largest difference between the sum of the exponents and the mean divergence, relative to that...
+/// Largest difference between the sum of the exponents and the mean divergence, relative to the divergence...
 pub const DEFECT_BOUND: f64 = 1e-2;
 
-/// ...or, where there is hardly any, per unit of tau: f32 leaves as much.
+/// ...or, where the divergence is almost zero, per unit of tau: rounding in f32 causes as much.
 pub const DEFECT_FLOOR: f64 = 1e-3;
 
-/// A scheme's share in an error is not worth a word below this, per unit of tau.
+/// A scheme's share in an error is not reported if it is below this, per unit of tau.
 const SCHEME_FLOOR: f64 = 1e-3;
 
 /// Whether most of an exponent's error is the scheme's, and more than `SCHEME_FLOOR`.
@@ -54,27 +54,28 @@ impl Status {
     }
 }
 
-/// What is measured of one point. Numbers are NaN where they do not apply: where the orbit ran away, and but for the
-/// contact's where it is under-resolved.
+/// What is measured of one point. Numbers are NaN where they do not apply: if the orbit ran away; and, except for those of the
+/// contact, if it is under-resolved.
 #[derive(Clone, Copy, Debug)]
 pub struct Measurement {
     /// Tells which of the numbers apply.
     pub status: Status,
     /// None unless the status is ok and the motion lasts: where the contact wears, all motion is transient.
     pub class: Option<Class>,
-    /// Maximal exponent, the larger of the two non-trivial ones, per unit of tau. With wear it is one of finite time: the
+    /// Maximal exponent, the larger of the two non-trivial ones, per unit of tau. With wear it is an exponent of finite time: the
     /// growth of sqrt(X^2 + Y^2) from (X, Y, rest) = (1, 0, 0), from the start until contact is lost, or to the end.
     pub lyapunov: f64,
-    /// Its standard error, by batch means, and the scheme's share; NaN for an exponent of finite time.
+    /// Standard error of `lyapunov`: that of the batch means plus the scheme's share; NaN for an exponent of finite time.
     pub lyapunov_error: f64,
-    /// The scheme's share in it: ten times what the sum of the exponents misses of the divergence, rounding, and by how much the exponent
-    /// misses that of a finer scheme. NaN where nothing is known of it: with heat where the motion is on no cycle, and with wear.
+    /// The scheme's share in `lyapunov_error`. It is the sum of ten times the difference between the sum of the exponents and the
+    /// divergence, of rounding, and of the difference from the exponent of a finer scheme. NaN where it is unknown: with heat if
+    /// the motion is on no cycle, and with wear.
     pub scheme_error: f64,
-    /// The smaller of the two non-trivial exponents; equal to the maximal one where the tangent vectors rotate. NaN with
-    /// heat or wear, whose tangent space has more dimensions, and on a limit cycle without a drive, where it is the trivial
-    /// zero along the flow that is left out.
+    /// The smaller of the two non-trivial exponents; equal to the maximal one where the tangent vectors rotate. NaN with heat or
+    /// wear, where the tangent space has more dimensions. NaN also on a limit cycle without a drive: there, one of the two
+    /// exponents is the trivial zero along the flow, which is left out.
     pub lyapunov_second: f64,
-    /// Its standard error, by batch means.
+    /// Standard error of `lyapunov_second`, by batch means.
     pub lyapunov_second_error: f64,
     /// Mean divergence of the flow, which the sum of the two exponents equals. NaN with heat or wear.
     pub divergence: f64,
@@ -87,11 +88,11 @@ pub struct Measurement {
     pub period: Option<u32>,
     /// Last stroboscopic state, at drive phase 0.
     pub x: f64,
-    /// The angular speed of the same state, whose angle is `x`.
+    /// The angular speed of the same state.
     pub y: f64,
-    /// Extremes of x over the measured periods.
+    /// Least x over the measured periods.
     pub x_min: f64,
-    /// The greatest of them; `x_min` is the least.
+    /// Greatest x over the measured periods.
     pub x_max: f64,
     /// Fraction of the initial states whose motion is chaotic.
     pub chaotic_fraction: f64,
@@ -143,7 +144,7 @@ impl Measurement {
         }
     }
 
-    /// Whether it is that of a limit cycle, without a drive, whose one exponent is the mean divergence.
+    /// Whether this is the measurement of a limit cycle without a drive: its only exponent is the mean divergence.
     pub fn is_on_limit_cycle(&self) -> bool {
         self.lyapunov_second.is_nan() && self.lyapunov == self.divergence
     }

@@ -1,16 +1,16 @@
 //! What is measured of a point, and when that is known.
 //!
-//! Owns runs over batches of instances, early decisions, classes, errors, and the table of quantities. Backends carry the instances on;
-//! what was measured is stored and drawn elsewhere. From the bottom to the top:
+//! Owns runs over batches of instances, early decisions, classes, errors, and the table of quantities. Backends integrate the
+//! instances; results are stored and drawn elsewhere. From the bottom to the top:
 //!
 //! - [`class`], [`measurement`], [`quantity`]: what is measured;
 //! - `evaluation`: from sums over periods to a measurement;
 //! - `cycle`: multipliers of cycles;
-//! - `whole_run`, `early`, `undriven`: runs at full length, decided early, and without a drive;
+//! - `whole_run`, `early`, `undriven`: runs at full length, runs that are decided early, and motion without a drive;
 //! - `one_scheme`: a measurement by one scheme;
-//! - [`fallback`]: what the scheme gave up, by others;
-//! - `scheme_error`: what the scheme may be wrong by;
-//! - [`batch`]: all of it, for any instances.
+//! - [`fallback`]: points that the scheme gave up, measured by other schemes;
+//! - `scheme_error`: the share of the scheme in the errors;
+//! - [`batch`]: all of these, for a batch of any instances.
 
 pub mod batch;
 pub mod class;

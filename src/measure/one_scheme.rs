@@ -1,4 +1,4 @@
-//! A measurement by one scheme, as it is.
+//! A measurement by one scheme alone.
 //!
 //! Owns whether it is decided early; completes nothing that the scheme gave up.
 

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Class, Measurement, Status};
 use crate::backend::{BackendKind, Contact};
+use crate::experiment::Experiment;
 use crate::machine::Scale;
 
 /// A quantity that a map holds for every point.
@@ -41,19 +42,32 @@ pub enum Quantity {
     Backend,
 }
 
-/// How a quantity's values are to be read.
+/// The type of a quantity's values, and how they are to be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Values {
-    /// A number; NaN where it does not apply.
-    Number,
+    /// Numbers in f64; NaN where the quantity does not apply.
+    F64,
+    /// Numbers in f32, whose seven digits are more than is known of them; NaN where the quantity does not apply.
+    F32,
     /// An index into these names; NaN where it does not apply.
     Code(&'static [&'static str]),
+}
+
+impl Values {
+    /// Bytes of a value in stores.
+    pub fn bytes(self) -> u64 {
+        match self {
+            Self::F64 => 8,
+            Self::F32 => 4,
+            Self::Code(_) => 1,
+        }
+    }
 }
 
 /// What the table says of one quantity.
 #[derive(Clone, Copy, Debug)]
 pub struct QuantityInfo {
-    /// Whose row this is.
+    /// The quantity that this row describes.
     pub quantity: Quantity,
     /// The name used in commands, files and data.
     pub name: &'static str,
@@ -75,29 +89,29 @@ macro_rules! quantity_table {
 }
 
 quantity_table! {
-    Lyapunov         "lyapunov"          "maximal Lyapunov exponent λ₁"            "1/tau" Values::Number;
-    LyapunovError    "lyapunov_error"    "standard error of λ₁"                    "1/tau" Values::Number;
-    SchemeError      "scheme_error"      "scheme's share in the error of λ₁"       "1/tau" Values::Number;
-    LyapunovSecond   "lyapunov_second"   "second Lyapunov exponent λ₂"             "1/tau" Values::Number;
-    Divergence       "divergence"        "mean divergence"                         "1/tau" Values::Number;
-    LyapunovBirkhoff "lyapunov_birkhoff" "weighted Birkhoff average of λ₁"         "1/tau" Values::Number;
-    LyapunovInterval "lyapunov_interval" "interval over which λ₁ is taken"         "tau"   Values::Number;
-    Period           "period"            "period of the motion / forcing period"   "1"     Values::Number;
-    X                "x"                 "last stroboscopic angle x"               "1"     Values::Number;
-    Y                "y"                 "last stroboscopic angular speed y"       "1"     Values::Number;
-    XMin             "x_min"             "least angle x"                           "1"     Values::Number;
-    XMax             "x_max"             "greatest angle x"                        "1"     Values::Number;
-    ChaoticFraction  "chaotic_fraction"  "fraction of initial states with chaos"   "1"     Values::Number;
-    Attractors       "attractors"        "number of distinct attractors"           "1"     Values::Number;
-    UnsettledFraction "unsettled_fraction" "fraction of initial states not settled" "1"    Values::Number;
+    Lyapunov         "lyapunov"          "maximal Lyapunov exponent λ₁"            "1/tau" Values::F64;
+    LyapunovError    "lyapunov_error"    "standard error of λ₁"                    "1/tau" Values::F32;
+    SchemeError      "scheme_error"      "scheme's share in the error of λ₁"       "1/tau" Values::F32;
+    LyapunovSecond   "lyapunov_second"   "second Lyapunov exponent λ₂"             "1/tau" Values::F32;
+    Divergence       "divergence"        "mean divergence"                         "1/tau" Values::F32;
+    LyapunovBirkhoff "lyapunov_birkhoff" "weighted Birkhoff average of λ₁"         "1/tau" Values::F32;
+    LyapunovInterval "lyapunov_interval" "interval over which λ₁ is taken"         "tau"   Values::F32;
+    Period           "period"            "period of the motion / forcing period"   "1"     Values::F32;
+    X                "x"                 "last stroboscopic angle x"               "1"     Values::F32;
+    Y                "y"                 "last stroboscopic angular speed y"       "1"     Values::F32;
+    XMin             "x_min"             "least angle x"                           "1"     Values::F32;
+    XMax             "x_max"             "greatest angle x"                        "1"     Values::F32;
+    ChaoticFraction  "chaotic_fraction"  "fraction of initial states with chaos"   "1"     Values::F32;
+    Attractors       "attractors"        "number of distinct attractors"           "1"     Values::F32;
+    UnsettledFraction "unsettled_fraction" "fraction of initial states not settled" "1"    Values::F32;
     ContactStatus    "contact_status"    "whether contact is lost"                 "1"     Values::Code(Contact::NAMES);
-    ContactTime      "contact_time"      "time at which contact is lost"           "tau"   Values::Number;
-    PeakPressure     "peak_pressure"     "greatest contact pressure p"             "1"     Values::Number;
-    PeakPressureTime "peak_pressure_time" "time of the greatest pressure"          "tau"   Values::Number;
-    FinalWear        "final_wear"        "wear at the end of the run"              "1"     Values::Number;
-    PeakTemperature  "peak_temperature"  "greatest surface temperature θ(1, τ)"    "1"     Values::Number;
-    RunawayTime      "runaway_time"      "time of runaway"                         "tau"   Values::Number;
-    IntegratedPeriods "integrated_periods" "forcing periods integrated"            "1"     Values::Number;
+    ContactTime      "contact_time"      "time at which contact is lost"           "tau"   Values::F32;
+    PeakPressure     "peak_pressure"     "greatest contact pressure p"             "1"     Values::F32;
+    PeakPressureTime "peak_pressure_time" "time of the greatest pressure"          "tau"   Values::F32;
+    FinalWear        "final_wear"        "wear at the end of the run"              "1"     Values::F32;
+    PeakTemperature  "peak_temperature"  "greatest surface temperature θ(1, τ)"    "1"     Values::F32;
+    RunawayTime      "runaway_time"      "time of runaway"                         "tau"   Values::F32;
+    IntegratedPeriods "integrated_periods" "forcing periods integrated"            "1"     Values::F32;
     Class            "class"             "kind of motion"                          "1"     Values::Code(Class::NAMES);
     Status           "status"            "how the integration ended"               "1"     Values::Code(Status::NAMES);
     Backend          "backend"           "where the point was integrated"          "1"     Values::Code(BackendKind::NAMES);
@@ -107,7 +121,7 @@ impl Quantity {
     /// Number of quantities.
     pub const COUNT: usize = QUANTITIES.len();
 
-    /// What leads from the quantity to one in SI units, of quantities that a machine gives a dimension.
+    /// The scale that converts the quantity to SI units; None if a machine gives it no dimension.
     pub fn scale(self) -> Option<Scale> {
         match self {
             Self::ContactTime | Self::PeakPressureTime | Self::RunawayTime | Self::LyapunovInterval => {
@@ -120,7 +134,7 @@ impl Quantity {
         }
     }
 
-    /// Whether it is taken per unit of tau, as exponents are.
+    /// Whether the quantity is a rate per unit of tau, as exponents are.
     pub fn is_rate(self) -> bool {
         self.info().units == "1/tau"
     }
@@ -134,7 +148,56 @@ impl Quantity {
         }
     }
 
-    /// What a map of instances that wear, or that do not, is drawn of unless asked otherwise.
+    /// Every quantity, in the order of the table.
+    pub fn all() -> Vec<Self> {
+        QUANTITIES.iter().map(|info| info.quantity).collect()
+    }
+
+    /// Whether the quantity is told by the contact, and constant where neither heat nor wear changes its pressure.
+    fn is_of_contact(self) -> bool {
+        matches!(
+            self,
+            Self::ContactStatus
+                | Self::ContactTime
+                | Self::PeakPressure
+                | Self::PeakPressureTime
+                | Self::FinalWear
+                | Self::PeakTemperature
+        )
+    }
+
+    /// Whether the quantity tells several initial states of a point apart.
+    fn is_of_states(self) -> bool {
+        matches!(self, Self::ChaoticFraction | Self::Attractors | Self::UnsettledFraction)
+    }
+
+    /// What the store of a map holds unless asked otherwise: all that can differ from point to point.
+    pub fn of_map(experiment: &Experiment) -> Vec<Self> {
+        let changes_pressure = experiment.has_heat_or_wear() || experiment.design.fixed.machine().is_some();
+        let mut quantities = Self::all();
+        quantities.retain(|quantity| match quantity {
+            Self::LyapunovSecond | Self::Divergence => !experiment.has_heat_or_wear(),
+            quantity if quantity.is_of_contact() => changes_pressure,
+            quantity if quantity.is_of_states() => experiment.settings.sampling.initial_states > 1,
+            _ => true,
+        });
+        quantities
+    }
+
+    /// What the store of a scan holds unless asked otherwise: what tells the motion of a point, and how surely.
+    pub fn of_scan(experiment: &Experiment) -> Vec<Self> {
+        let mut quantities = vec![Self::Lyapunov, Self::LyapunovError, Self::Period];
+        if experiment.settings.sampling.initial_states > 1 {
+            quantities.extend([Self::ChaoticFraction, Self::Attractors]);
+        }
+        if experiment.has_heat_or_wear() {
+            quantities.extend([Self::ContactStatus, Self::ContactTime, Self::FinalWear]);
+        }
+        quantities.extend([Self::Class, Self::Status, Self::Backend]);
+        quantities
+    }
+
+    /// The quantities that a map shows by default, for instances that wear or for instances that do not.
     pub fn drawn(wears: bool) -> &'static [Self] {
         if wears {
             &[Self::Lyapunov, Self::ContactTime, Self::FinalWear]

@@ -2,7 +2,7 @@
 //!
 //! Owns what is compared, and what a difference means. At constant contact pressure the finer scheme is taylor in f64, whose own
 //! error is a millionth, and which costs a fraction of the others. With heat it is radau with a smaller tolerance, and only
-//! cycles are compared: of chaos so few periods tell less than its error does.
+//! cycles are compared: for chaos, a mean over so few periods is less accurate than the exponent already is.
 
 use std::ops::ControlFlow;
 
@@ -11,12 +11,12 @@ use crate::backend::cpu::CpuBackend;
 use crate::backend::{Backend, BackendError, Instance, Slice, Stage};
 use crate::experiment::{Integration, Precision, Sampling, Scheme, Settings};
 
-/// Two exponents differ by chance by up to so many times what their errors add up to.
+/// Two exponents may differ by chance by up to this many times their combined error.
 const CHANCE: f64 = 2.0;
 
 /// Adds the scheme's share to the errors of instances of constant contact pressure, which were `measured` by the scheme of
-/// `settings`. None if `progress` broke it off. A class that does not stand above its error is undecided; a motion that the finer
-/// scheme cannot follow, or that runs away by it, is under-resolved.
+/// `settings`. None if `progress` broke it off. A class that no longer holds with the larger error becomes undecided. A motion
+/// that the finer scheme cannot follow, or that runs away with it, becomes under-resolved.
 ///
 /// # Errors
 /// If the CPU backend fails.
@@ -49,10 +49,10 @@ pub(super) fn add(
             ..Sampling::default()
         },
     };
-    // the scheme's own run was reported as all that there is to do
-    let mut unheard = |_| progress(0);
+    // the scheme's own run was already reported as the whole work
+    let mut silent = |_| progress(0);
     let mut backend = CpuBackend::new(Precision::F64);
-    let Some(again) = fallback::measure(&mut backend, &finer, &begun, &mut unheard)? else {
+    let Some(again) = fallback::measure(&mut backend, &finer, &begun, &mut silent)? else {
         return Ok(None);
     };
     for (index, finer) in indices.into_iter().zip(again) {
@@ -61,13 +61,13 @@ pub(super) fn add(
     Ok(Some(()))
 }
 
-/// The tolerance, relative to that of the run, by which cycles with heat are followed further...
+/// The tolerance, relative to that of the run, with which cycles with heat are continued...
 const FINER: f64 = 0.125;
 
-/// ...for so many forcing periods, in which they come to where they are by that tolerance...
+/// ...for this many forcing periods, in which they settle on the cycle that belongs to that tolerance...
 const ALIGN: u32 = 16;
 
-/// ...and so many that are measured. The cycle's periods are no more.
+/// ...and for this many more, which are measured. Only cycles with at most this period are compared.
 const LOOK: u32 = 32;
 
 /// Adds the scheme's share to the errors of those instances of a batch with heat that have ended on a cycle, after a run of
@@ -133,7 +133,7 @@ pub(super) fn add_with_heat(
     Ok(())
 }
 
-/// A measurement with the scheme's share in its errors, given the finer scheme's of the same motion.
+/// A measurement with the scheme's share added to its errors, given the finer scheme's measurement of the same motion.
 fn compared(measured: &Measurement, finer: &Measurement) -> Measurement {
     let integrated_periods = measured.integrated_periods + finer.integrated_periods;
     if finer.status != Status::Ok {
@@ -161,7 +161,7 @@ fn compared(measured: &Measurement, finer: &Measurement) -> Measurement {
         lyapunov_error: measured.lyapunov_error + share,
         lyapunov_second_error: measured.lyapunov_second_error + second,
         scheme_error: measured.scheme_error + share,
-        // another period is that of another motion
+        // a different period belongs to a different motion
         period: measured
             .period
             .filter(|period| finer.period.is_none_or(|finer| finer == *period)),
@@ -183,7 +183,7 @@ fn compared(measured: &Measurement, finer: &Measurement) -> Measurement {
     }
 }
 
-/// By how much two numbers, each with what chance may have made of it, differ beyond that; NaN if either is.
+/// By how much two numbers, each with its error, differ by more than chance explains; NaN if either is NaN.
 fn beyond_chance([a, a_error]: [f64; 2], [b, b_error]: [f64; 2]) -> f64 {
     let beyond = (a - b).abs() - CHANCE * a_error.hypot(b_error);
     // unlike max, keeps NaN
@@ -223,7 +223,8 @@ mod tests {
         assert_eq!(compared(&cycle, &runaway).status, Status::UnderResolved);
     }
 
-    /// Where the finer scheme does not say the same: an exponent of three errors, and of a torus an error that a torus may have.
+    /// If the finer scheme finds another class, the class stands only if the exponent exceeds three errors, or for a torus, if
+    /// its error is one that a torus may have.
     #[test]
     fn a_class_stands_where_it_stands_above_its_error() {
         let exact = |class, lyapunov| orbit(class, lyapunov, 0.0, None);

@@ -1,4 +1,4 @@
-//! Motion without a drive: rests and limit cycles, in neither of which a forcing period plays a part.
+//! Motion without a drive: states of rest and limit cycles. A forcing period has no meaning for either.
 //!
 //! Owns the omega_0 by which such motion is integrated, and the measurement of limit cycles.
 
@@ -10,30 +10,31 @@ use crate::dynamics::statistics::{batches, birkhoff_weights, standard_error};
 use crate::experiment::{Sampling, Settings};
 use crate::parameters::Parameter;
 
-/// In place of any other, so that nothing depends on a frequency with which nothing is driven: pi units of tau make what
-/// is called a forcing period.
+/// Replaces the given omega_0, so that nothing depends on the frequency of a drive that does not exist. A "forcing period" is
+/// then pi units of tau.
 const OMEGA_0: f64 = 2.0;
 
-/// Periods of a look at a limit cycle: until the vectors have turned to their directions, and of the averages.
+/// Forcing periods of the measurement of a limit cycle: first those in which the vectors turn to their directions, then those of
+/// the averages.
 const ALIGN: u32 = 64;
 const LOOK: u32 = 512;
 
-/// Shifts of a window of half the periods, whose averages tell how sure that over all is. Where the bush sticks in every turn the
-/// divergence comes in spikes, and averages converge slowly.
+/// Number of shifts of a window of half the periods. The averages over these windows give the error of the average over all
+/// periods. Where the bush sticks in every turn, the divergence has spikes, and averages converge slowly.
 const HALVES: u32 = 8;
 
-/// Relative to the exponent, by how much those averages differ at most where the divergence is a smooth function along the cycle. Where
-/// it is not, they may agree by chance, and batch means tell more.
+/// Largest difference of those averages, relative to the exponent, if the divergence is a smooth function along the cycle. If it
+/// is not smooth, the averages may agree by chance, and batch means are more reliable.
 const SMOOTH: f64 = 1e-4;
 
-/// Along a limit cycle the first vector grows by less than this share of the divergence, on the way to a rest by half of it
-/// or more.
+/// On a limit cycle, the first vector grows by less than this share of the divergence; on the way to a state of rest, by half of
+/// it or more.
 const ALONG_THE_FLOW: f64 = 0.1;
 
-/// A divergence below this is that of motion that nothing damps.
+/// If the divergence is smaller than this, the motion has no damping.
 const DAMPED: f64 = 1e-6;
 
-/// The instance as it is integrated.
+/// The instance with the omega_0 by which it is integrated.
 pub(super) fn instance(mut instance: Instance) -> Instance {
     if !instance.parameters.is_driven() {
         instance.parameters[Parameter::Omega0] = OMEGA_0;
@@ -41,14 +42,14 @@ pub(super) fn instance(mut instance: Instance) -> Instance {
     instance
 }
 
-/// An angle that stays within this is one of rest.
+/// The bush is at rest if its angle stays within a range of this width.
 const AT_REST: f64 = 1e-6;
 
-/// Fewest passages through its middle by which a swing is told from a creep.
+/// Fewest passages through the middle of the range of angles by which an oscillation is distinguished from creep.
 const LEAST_CROSSINGS: usize = 3;
 
-/// Measures those anew that are on a limit cycle. One exponent is the trivial zero along the flow, and left out; the other
-/// one is the mean divergence over whole turns, which a weighted Birkhoff average gives without knowing how long a turn is.
+/// Measures the instances again that are on a limit cycle. One exponent is the trivial zero along the flow, and is left out. The
+/// other one is the mean divergence over whole turns; a weighted Birkhoff average gives it without the length of a turn.
 ///
 /// # Errors
 /// If the backend fails.
@@ -88,7 +89,7 @@ pub(super) fn measure_limit_cycles(
         periods: ALIGN,
         elapsed: 0,
     })?;
-    // growth of the first vector and divergence, of every period, and x at its end
+    // for every period: growth of the first vector and divergence, and x at the end
     let mut rates = vec![[Vec::new(), Vec::new()]; indices.len()];
     let mut states = vec![Vec::new(); indices.len()];
     let mut ends = Vec::new();
@@ -118,7 +119,7 @@ pub(super) fn measure_limit_cycles(
         };
         let along = average(&growth, 0..LOOK);
         let exponent = average(&divergence, 0..LOOK);
-        // half as many periods are off by more; two halves may agree by chance
+        // an average over half the periods has a larger error; two halves alone may agree by chance
         let halves = (0..=HALVES).map(|n| {
             let first = n * LOOK / 2 / HALVES;
             average(&divergence, first..first + LOOK / 2)
@@ -158,7 +159,7 @@ pub(super) fn measure_limit_cycles(
     Ok(())
 }
 
-/// Lengths and sums of the batches of values of single periods.
+/// Length and sum of each batch, given the values of single periods.
 fn batches_of(values: &[f64]) -> Vec<(f64, f64)> {
     let batches = batches(values.len() as u32).into_iter();
     batches
@@ -169,7 +170,8 @@ fn batches_of(values: &[f64]) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Whether an angle goes to and fro: a bush that creeps in the friction layer goes one way, or is at rest but for rounding.
+/// Whether an angle oscillates. A bush that creeps in the friction layer moves in one direction, or is at rest except for
+/// rounding.
 fn swings(angles: &[f64]) -> bool {
     let least = angles.iter().copied().fold(f64::INFINITY, f64::min);
     let greatest = angles.iter().copied().fold(f64::NEG_INFINITY, f64::max);

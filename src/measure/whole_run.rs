@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 
 use super::cycle::{self, Candidate};
-use super::evaluation::{Ended, Growth};
+use super::evaluation::{Ended, GrowthSums};
 use super::{Measurement, Status};
 use crate::backend::{Backend, BackendError, BackendKind, EndState, Instance, Slice, Stage, Sums};
 use crate::dynamics::statistics;
@@ -16,15 +16,16 @@ use crate::experiment::{Scheme, Settings};
 /// Longest slice, so that progress shows and a run can be cancelled.
 const LONGEST_SLICE: u32 = 16;
 
-/// Batches of the measurement that begin before this many periods are summed up period by period, for the scatter of single ones.
+/// Batches of the measurement that begin before this period are summed up period by period, to get the scatter of single periods.
 const SAMPLED: u32 = 64;
 
-/// Whether the divergence is summed up, without which multipliers are not known: not by the GPU's kernel of radau.
+/// Whether the backend sums up the divergence, which the multipliers need. The GPU's kernel of radau does not.
 pub(super) fn sums_all(backend: &dyn Backend, settings: &Settings) -> bool {
     settings.integration.scheme != Scheme::Radau || backend.kind() != BackendKind::GpuF32
 }
 
-/// Runs a batch of instances, all of which wear or none, at the full length of the settings, after a run of `elapsed` periods.
+/// Runs a batch of instances at the full length of the settings, after a run of `elapsed` periods. Either all of the instances
+/// wear, or none does.
 pub(super) fn measure(
     backend: &mut dyn Backend,
     settings: &Settings,
@@ -63,7 +64,7 @@ pub(super) fn measure(
             return Ok(None);
         }
     }
-    let mut growth: Vec<Growth> = vec![Growth::default(); instances.len()];
+    let mut growth: Vec<GrowthSums> = vec![GrowthSums::default(); instances.len()];
     for batch in statistics::batches(settings.sampling.periods) {
         let mut sums = vec![Sums::default(); instances.len()];
         let stride = if batch.start < SAMPLED { 1 } else { batch.len() };
@@ -103,13 +104,14 @@ pub(super) fn measure(
             })
         })
         .collect();
-    if !instances[0].parameters.is_rubbed() && sums_all(backend, settings) {
+    if !instances[0].parameters.has_heat_or_wear() && sums_all(backend, settings) {
         measure_cycles(backend, settings, instances, &ends, &mut measured)?;
     }
     Ok(Some(measured))
 }
 
-/// Measures those anew that have ended on a cycle: its multipliers are their exponents, whatever came before.
+/// Measures the instances again that have ended on a cycle. The multipliers of the cycle give their exponents, whatever the
+/// motion was before.
 fn measure_cycles(
     backend: &mut dyn Backend,
     settings: &Settings,

@@ -1,16 +1,17 @@
 //! Regularised dry friction, equations (3.1), (3.2) and (3.4).
 //!
-//! Owns the friction law; does not know who rubs on whom. Twin: `shaders/model/friction.wgsl`.
+//! Owns the friction law; knows nothing of the rubbing bodies. Twin: `shaders/model/friction.wgsl`.
 
 use crate::lanes::Real;
 
 /// Least half-width of the friction layer, in spacings of the number type at the shaft's greatest speed: v is a difference of
-/// speeds of that size, and where the layer is thinner its boundaries are met too roughly for the tangent. However slow the shaft is,
-/// forces of order 1 move the bush, whose angle is of order 1: a creep much slower than a spacing does not move it.
+/// speeds of that size, and the boundaries of a thinner layer are met too roughly for the tangent vector. A greatest speed of the
+/// shaft below 1 counts as 1: forces of order 1 move the bush, whose angle is of order 1, and a creep much slower than a spacing
+/// does not change this angle.
 pub const LEAST_SPACINGS: f64 = 128.0;
 
-/// What the half-width of the friction layer must exceed in a number type of which `spacing` is that between 1 and the next
-/// number, where the shaft's greatest speed is `speed`.
+/// The value that the half-width of the friction layer must exceed. `spacing` is the distance between 1 and the next number in
+/// the number type, `speed` is the shaft's greatest speed.
 pub fn thinnest_layer(spacing: f64, speed: f64) -> f64 {
     LEAST_SPACINGS * spacing * speed.max(1.0)
 }
@@ -51,7 +52,7 @@ impl<R: Real> Friction<R> {
         v.max(-self.epsilon_0).min(self.epsilon_0)
     }
 
-    /// `rest + scale * F(v)`, equations (3.1) and (3.2). Few operations wait for v one after the other.
+    /// `rest + scale * F(v)`, equations (3.1) and (3.2). The order of operations keeps the chain that waits for v short.
     #[inline(always)]
     pub fn plus_force(&self, rest: R, v: R) -> R {
         let c = self.clamped(v);
@@ -120,7 +121,7 @@ impl<R: Real> Friction<R> {
         R::select(v.less(R::splat(0.0)), left, right)
     }
 
-    /// The piece of an index. `epsilon_0` is [`Friction::epsilon_0`], which the caller keeps.
+    /// The piece that has this index. `epsilon_0` is [`Friction::epsilon_0`], which the caller keeps.
     ///
     /// | index | a_0 | a_1 | a_2 | from | to |
     /// | --- | --- | --- | --- | --- | --- |

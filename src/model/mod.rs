@@ -1,7 +1,7 @@
 //! The physics of the bush-shaft system, and nothing else: no integration, no threads, no GPU.
 //!
-//! What is evaluated at every step is generic over the number type ([`crate::lanes::Real`]) and has a twin of the same
-//! name in `shaders/model/`; what is computed once per point is plain f64 on the host.
+//! The functions that are evaluated at every step are generic over the number type ([`crate::lanes::Real`]) and have a twin of
+//! the same name in `shaders/model/`. The functions that are evaluated once per point are plain f64 on the host.
 
 pub mod friction;
 pub mod melnikov;

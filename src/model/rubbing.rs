@@ -1,7 +1,7 @@
 //! The bush's motion under a contact pressure that frictional heat and wear change, equations (2.1) to (2.5).
 //!
-//! Owns the coefficients of the coupled system and its pointwise laws; the memory of the heat is advanced by the scheme.
-//! Twin: `shaders/model/rubbing.wgsl`.
+//! Owns the coefficients of the coupled system and its pointwise laws; the scheme advances the heat modes. Twin:
+//! `shaders/model/rubbing.wgsl`.
 
 use std::collections::HashMap;
 
@@ -10,7 +10,7 @@ use super::thermal_modes::ThermalModes;
 use crate::lanes::Real;
 use crate::parameters::{Parameter, ParameterSet};
 
-/// Stands for the half-width of a layer that is not there, since there is no dry friction: no speed reaches its boundaries.
+/// Stands for the half-width of the layer if there is no dry friction, and so no layer: no speed reaches its boundaries.
 pub const NO_LAYER: f64 = 1e30;
 
 /// The system
@@ -43,7 +43,7 @@ pub struct Rubbing<R> {
     pub ramp_rate: R,
     /// Half-width of the friction layer; [`NO_LAYER`] where there is no dry friction.
     pub epsilon_0: R,
-    /// The same, but 1 at most: what v is measured by in the layer.
+    /// The same, but at most 1: the unit in which errors of v are measured in the layer.
     pub layer: R,
     friction: Friction<R>,
 }
@@ -53,7 +53,8 @@ impl<R: Real> Rubbing<R> {
     pub fn new(value: impl Fn(Parameter) -> R) -> Self {
         use Parameter::{Alpha, B, Beta, Epsilon, Epsilon0, F0, Gamma, H1, KW, OmegaK, RampRate, ZetaK};
         let epsilon = value(Epsilon);
-        let is_dry = R::splat(0.0).less(epsilon * value(F0));
+        // dry friction moves the bush by epsilon, and heats by gamma
+        let is_dry = R::splat(0.0).less((epsilon + value(Gamma)) * value(F0));
         let epsilon_0 = R::select(is_dry, value(Epsilon0), R::splat(NO_LAYER));
         Self {
             minus_b: -value(B),
@@ -105,12 +106,13 @@ impl<R: Real> Rubbing<R> {
     }
 }
 
-/// The spectra of the shafts in a batch, each Biot number's found once: that takes as long as many steps.
+/// The spectra of the shafts in a batch. The spectrum of each Biot number is computed only once, because this takes as long as
+/// many steps.
 #[derive(Clone, Debug)]
 pub struct Spectra(HashMap<u64, ThermalModes>);
 
 impl Spectra {
-    /// With `modes` heat modes each.
+    /// The spectra of all instances, with `modes` heat modes each.
     pub fn new<'a>(instances: impl IntoIterator<Item = &'a ParameterSet>, modes: usize) -> Self {
         let mut spectra = HashMap::new();
         for instance in instances {
@@ -131,19 +133,19 @@ impl Spectra {
     }
 }
 
-/// The heat modes of one instance, as the scheme wants them: the lumped mode last.
+/// The heat modes of one instance, as the scheme needs them: the lumped mode last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeatModes {
     /// r_m = mu_m^2 omega-tilde, per unit of tau.
     pub rates: Vec<f64>,
     /// 2 gamma c_m.
     pub weights: Vec<f64>,
-    /// theta(1) = this times the sum of 2 gamma c_m r_m q_m: 1/(2 Bi omega-tilde).
+    /// The factor 1/(2 Bi omega-tilde): theta(1) is this factor times the sum of 2 gamma c_m r_m q_m.
     pub surface_temperature: f64,
 }
 
 impl HeatModes {
-    /// Of a shaft in which no heat is followed.
+    /// No modes, for a shaft whose heat is not computed.
     pub fn none() -> Self {
         Self {
             rates: Vec::new(),
@@ -152,7 +154,7 @@ impl HeatModes {
         }
     }
 
-    /// The modes of an instance whose shaft has the spectrum `modes`, that of its Biot number.
+    /// The modes of an instance; `modes` is the spectrum of its shaft, which must belong to its Biot number.
     pub fn new(parameters: &ParameterSet, modes: &ThermalModes) -> Self {
         let (omega_tilde, gamma) = (parameters[Parameter::OmegaTilde], parameters[Parameter::Gamma]);
         let rates = modes.roots.iter().map(|mu| mu * mu).chain([modes.lumped_rate]);

@@ -3,7 +3,7 @@
 //! Owns the shaft's spectrum; knows neither friction nor motion, and integrates nothing. Plain f64 on the host, without
 //! a twin: the backends are given these numbers.
 //!
-//! With the heat source Q(tau) = F(v) v p and modes q_m' = -mu_m^2 w q_m + Q, q_m(0) = 0, where w is omega-tilde,
+//! With the heat source Q(tau) = F(v) v p and modes q_m' = -mu_m^2 w q_m + Q, q_m(0) = 0, where w is omega-tilde and g is gamma,
 //!
 //! ```text
 //! thermal part of the pressure  2 g (sum_{m<=M} c_m q_m + c_t q_t)
@@ -15,10 +15,10 @@
 
 use std::f64::consts::PI;
 
-/// Roots summed one by one before the rest of a tail is taken as an integral.
+/// Number of roots in a tail that are summed one by one. The rest of the tail is computed as an integral.
 const EXPLICIT_TAIL: usize = 300;
 
-/// Positive roots mu_m of Bi J0(mu) = mu J1(mu), the first `count` in rising order, to a few units of the last place.
+/// The first `count` positive roots mu_m of Bi J0(mu) = mu J1(mu), in rising order, to a few units of the last place.
 ///
 /// One lies in each interval between a zero of J1 (0 included) and the next zero of J0. `biot` from 1e-4 to 1e4 is
 /// tested. Source: equation (2.5); H. S. Carslaw and J. C. Jaeger, Conduction of Heat in Solids, 2nd ed., section 7.7.
@@ -34,9 +34,9 @@ pub fn roots(biot: f64, count: usize) -> Vec<f64> {
 /// The root between the (m-1)-th zero of J1 and the m-th zero of J0, by Newton's method kept inside its bracket.
 fn root(biot: f64, m: usize) -> f64 {
     let (mut low, mut high) = (if m == 1 { 0.0 } else { zero_of_j1(m - 1) }, zero_of_j0(m));
-    // times this sign the function falls through the root
+    // multiplied by this sign, the function falls through 0 at the root
     let sign = if m % 2 == 1 { 1.0 } else { -1.0 };
-    // exact at both ends of the range of biot, and for m = 1 the leading term of small biot
+    // the starting value: exact in both limits of biot; for m = 1 with the right leading term for small biot
     let mut mu = if m == 1 {
         (2.0 * biot / (1.0 + biot / 2.0 + 2.0 * biot / (high * high))).sqrt()
     } else {
@@ -63,14 +63,14 @@ fn root(biot: f64, m: usize) -> f64 {
     mu
 }
 
-/// The m-th positive zero of J0: McMahon's expansion, polished.
+/// The m-th positive zero of J0: McMahon's expansion, refined by Newton's method.
 fn zero_of_j0(m: usize) -> f64 {
     let eight_b = 8.0 * PI * (m as f64 - 0.25);
     let start = eight_b / 8.0 + 1.0 / eight_b - 124.0 / (3.0 * eight_b.powi(3));
     (0..3).fold(start, |x, _| x + libm::j0(x) / libm::j1(x))
 }
 
-/// The m-th positive zero of J1: McMahon's expansion, polished.
+/// The m-th positive zero of J1: McMahon's expansion, refined by Newton's method.
 fn zero_of_j1(m: usize) -> f64 {
     let eight_b = 8.0 * PI * (m as f64 + 0.25);
     let start = eight_b / 8.0 - 3.0 / eight_b + 12.0 / eight_b.powi(3);
@@ -80,10 +80,11 @@ fn zero_of_j1(m: usize) -> f64 {
     })
 }
 
-/// The shaft's heat conduction cut down to `roots.len()` modes and a lumped one, which keeps two moments of the rest.
+/// The shaft's heat conduction, reduced to `roots.len()` modes and a lumped one, which keeps two moments of the rest.
 ///
-/// What the lumped mode keeps: G(0) = 1 (so that p(0) = h_U(0)), Int G = 1/(2 Bi w) (the steady pressure), and the
-/// balance of heat: d/dtau of the stored heat (c . q) is Q minus w Bi theta(1)/g exactly, for every M.
+/// With G the kernel of the thermal pressure, the sum of c_m exp(-mu_m^2 w tau), the lumped mode keeps three properties exactly,
+/// for every M: G(0) = 1 (so that p(0) = h_U(0)); Int G = 1/(2 Bi w) (the steady pressure); and the balance of heat: d/dtau of
+/// the stored heat (c . q) is Q minus w Bi theta(1)/g.
 #[derive(Clone, Debug)]
 pub struct ThermalModes {
     biot: f64,
@@ -136,16 +137,16 @@ impl ThermalModes {
 
     /// The weights of the temperature at radius `r`, 0 at the axis and 1 at the surface.
     ///
-    /// kappa_q = l^2 S2_M and kappa_Q = S_M - kappa_q/l give the rest of the kernel its true zeroth and first moments
+    /// kappa_q = l^2 S2_M and kappa_Q = S_M - kappa_q/l give the rest of the kernel its exact zeroth and first moments. Here
     ///
     /// ```text
     /// S_M(r)  = 1/Bi - sum_{m<=M} d_m(r)/mu_m^2
     /// S2_M(r) = (1/Bi)(1/4 + 1/(2 Bi) - r^2/4) - sum_{m<=M} d_m(r)/mu_m^4
     /// ```
     ///
-    /// whose totals are the first two terms of the Laplace transform I0(s r)/(s I1(s) + Bi I0(s)) in powers of s^2. At
-    /// the surface d_m(1) = mu_m^2 c_m/Bi, hence S_M(1) = c_t/Bi, S2_M(1) = R_M/Bi, kappa_q = l c_t/Bi, kappa_Q = 0:
-    /// the surface sees the lumped mode as one more mode with mu^2 = l. Elsewhere the sums are taken from these.
+    /// The totals before the sums are the first two terms of the Laplace transform I0(s r)/(s I1(s) + Bi I0(s)) in powers of s^2.
+    /// At the surface d_m(1) = mu_m^2 c_m/Bi, hence S_M(1) = c_t/Bi, S2_M(1) = R_M/Bi, kappa_q = l c_t/Bi, kappa_Q = 0: at the
+    /// surface, the lumped mode acts as one more mode with mu^2 = l. At other radii, the sums are computed from these values.
     ///
     /// # Panics
     /// If `r` is outside 0..=1.
@@ -164,7 +165,7 @@ impl ThermalModes {
         };
         let modes = self.roots.iter().zip(&self.pressure_weights).map(weight).collect();
         let lumped = self.lumped_rate * self.lumped_rate * first;
-        // at the surface 0 but for rounding
+        // at the surface this is 0 except for rounding
         let direct = if r < 1.0 {
             zeroth - lumped / self.lumped_rate
         } else {
@@ -179,11 +180,11 @@ fn pressure_weight(biot: f64, mu: f64) -> f64 {
     2.0 * biot / (biot * biot + mu * mu)
 }
 
-/// The sums of c_m and of c_m/mu_m^2 over consecutive `roots`, at least some hundred, and all roots above them.
+/// The sums of c_m and of c_m/mu_m^2 over the consecutive `roots`, at least some hundred, and over all roots above them.
 ///
-/// The roots are where a smooth phase Phi(mu), with J0 and Y0 in the places of cosine and sine, passes multiples of pi.
-/// Midway between the last root and the next it passes a zero of Bi Y0 - mu Y1, and from there on a sum over the roots
-/// is an integral over Phi/pi by the midpoint rule of Euler and Maclaurin:
+/// At the roots, a smooth phase Phi(mu), in which J0 and Y0 take the places of cosine and sine, is a multiple of pi. Midway in
+/// phase between the last root and the next, there is a zero of Bi Y0 - mu Y1. From there on, the sum over the roots is an
+/// integral over Phi/pi, by the midpoint rule of Euler and Maclaurin:
 ///
 /// ```text
 /// sum_{m>N} f(mu_m) = Int f dPhi/pi + (1/24) df/d(Phi/pi) - ...   at Phi = (N + 1/2) pi
@@ -192,8 +193,8 @@ fn pressure_weight(biot: f64, mu: f64) -> f64 {
 ///   ~ mu^2 + Bi^2 - Bi + 3/8 + (3 Bi/8 - Bi^2/8 - 45/128)/mu^2
 /// ```
 ///
-/// (from the Wronskian and the expansions of J^2 + Y^2, Abramowitz and Stegun 9.1.16 and 9.2.28). At mu > 900 what is
-/// left out is below 1e-11 of the sums.
+/// (from the Wronskian and the expansions of J^2 + Y^2, Abramowitz and Stegun 9.1.16 and 9.2.28). At mu > 900 the omitted terms
+/// are below 1e-11 of the sums.
 fn tails(biot: f64, roots: &[f64]) -> [f64; 2] {
     let squares = biot * biot;
     let last = roots.last().expect("roots to start the tail from");

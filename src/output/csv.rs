@@ -1,4 +1,4 @@
-//! Tables of comma-separated values with comments that tell what they hold, and that of the border of chaos.
+//! Tables of comma-separated values, with comments that describe their content; among them the table of the border of chaos.
 //!
 //! Owns their form; computes nothing, and finds no border itself.
 
@@ -10,7 +10,7 @@ use super::whole::{WriteError, write_whole};
 use crate::design::Coordinate;
 use crate::map::{ParameterMap, border};
 
-/// What stands above the lines of an experiment in the comments of a table.
+/// The comment above the lines of an experiment in a table.
 const HEADING: &str = "experiment:";
 
 /// Comments that hold an experiment in TOML.
@@ -72,8 +72,8 @@ pub fn write_rows(
     })
 }
 
-/// Writes the changes between chaos and regular or quasi-periodic motion along every row and every column of the map, one a
-/// line, in the units of the axes.
+/// Writes the changes between chaos and regular or quasi-periodic motion along every row and every column of the map, one
+/// change per line, in the units of the axes.
 ///
 /// # Errors
 /// [`WriteError`] if the file cannot be written.

@@ -1,7 +1,7 @@
-//! What every output has in common, whatever its format: the program's name, files that are there whole or not at all, and
+//! The common part of all outputs, in any format: the program's name, files that are written completely or not at all, and
 //! tables of numbers.
 //!
-//! Owns no picture and no store, and needs neither feature. In their order, each file knows those before it: [`whole`],
+//! Owns no picture and no store, and needs neither feature. Each file knows only those before it in this order: [`whole`],
 //! [`csv`].
 
 pub mod csv;

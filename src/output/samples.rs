@@ -14,7 +14,7 @@ pub fn experiment(x: &str, y: &str) -> Experiment {
     request.resolve().unwrap()
 }
 
-/// As [`experiment`], of the machine that has the paper's preset.
+/// As [`experiment`], with the machine of the template, which has the dimensionless values of the paper's preset.
 #[cfg(any(feature = "pictures", feature = "store"))]
 pub fn machine_experiment(x: &str, y: &str) -> Experiment {
     use crate::machine::{Description, TEMPLATE};
@@ -50,7 +50,7 @@ pub fn measurement(lyapunov: f64) -> Measurement {
     }
 }
 
-/// A map of the exponents given, x fastest: NaN is a runaway, and what the list does not reach is not computed.
+/// A map with the given exponents; x varies fastest. NaN stands for a runaway. Points beyond the end of the list are not computed.
 pub fn map(x: &str, y: &str, exponents: &[f64]) -> ParameterMap {
     let mut map = ParameterMap::new(experiment(x, y)).unwrap();
     for (index, &lyapunov) in exponents.iter().enumerate() {

@@ -1,6 +1,6 @@
-//! Files that are there whole or not at all.
+//! Files that are written completely or not at all.
 //!
-//! Owns how a file comes to its place; knows no format.
+//! Owns how a file is put in its place; knows no format.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -33,7 +33,7 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
     write_whole(path, |file| file.write_all(text.as_bytes()))
 }
 
-/// Writes the file beside its place first, then renames it.
+/// Writes the file under another name in the same folder, then renames it.
 fn write_aside(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
     let name = path
         .file_name()

@@ -7,12 +7,12 @@ use super::ticks::{Tick, number, rounded};
 use crate::design::{Axis, Fixed, Spacing};
 use crate::machine::units::Unit;
 
-/// The words of an axis, and what its values are multiplied with to be in the unit that the words tell.
+/// The words of an axis, and the factor that converts its values to the unit in the words.
 #[derive(Clone, Debug)]
 pub struct AxisLabel {
     /// Meaning, symbol and unit.
     pub words: String,
-    /// 1000 where the unit has a prefix milli.
+    /// For example 1000 if the unit has the prefix milli.
     pub factor: f64,
 }
 
@@ -45,7 +45,7 @@ impl AxisLabel {
         }
     }
 
-    /// The axis of a panel, between two of its places: places are as [`Axis::place`] has them.
+    /// The scale of a panel's axis between the places `from` and `to`, which are counted as in [`Axis::place`].
     pub fn scale(&self, axis: &Axis, from: f64, to: f64) -> AxisScale {
         let [low, high] = axis.ends().map(|end| self.place(axis, end));
         let between = |place: f64| low + place * (high - low) / (axis.count() - 1) as f64;
@@ -59,7 +59,7 @@ impl AxisLabel {
         }
     }
 
-    /// Ticks at the values of a list, by their places, rising.
+    /// Ticks for the values of a list, at their places, in rising order.
     pub fn listed(&self, axis: &Axis) -> Vec<Tick> {
         let rising = axis.rising().into_iter().enumerate();
         rising

@@ -17,11 +17,11 @@ pub struct AxisScale {
     pub low: f64,
     /// Value at the right or upper end.
     pub high: f64,
-    /// Whether ticks have no numbers and the axis no words: a panel below has the same scale.
+    /// Whether numbers and words are left out, because a panel below has the same scale.
     pub is_bare: bool,
-    /// Whether no value tells where the ends are: there are no ticks.
+    /// Whether the ends are unknown because there is no value. Then there are no ticks.
     pub is_blank: bool,
-    /// Whether values are decadic logarithms of what the ticks say.
+    /// Whether values are decadic logarithms of the numbers at the ticks.
     pub is_logarithmic: bool,
     /// The ticks of an axis of listed values; empty for others.
     pub listed: Vec<Tick>,
@@ -49,13 +49,13 @@ impl AxisScale {
         }
     }
 
-    /// The same scale where a panel below shows its numbers and words.
+    /// The same scale without numbers and words: a panel below shows them.
     #[must_use]
     pub fn bare(self) -> Self {
         Self { is_bare: true, ..self }
     }
 
-    /// Ends a little beyond the finite ones of the values; around a single value where there is no extent; blank without any.
+    /// A scale that reaches a little beyond the finite values. A single value lies in the middle; without any the scale is blank.
     pub fn around(label: &str, values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = values
             .filter(|value| value.is_finite())
@@ -81,7 +81,7 @@ impl AxisScale {
         (value - self.low) / (self.high - self.low)
     }
 
-    /// Whether some value between two, which are no numbers where there is none, lies on the axis.
+    /// Whether the interval between two values overlaps the axis; false if both are NaN.
     pub(super) fn meets(&self, [one, other]: [f64; 2]) -> bool {
         one.min(other) <= self.high && one.max(other) >= self.low
     }

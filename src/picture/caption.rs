@@ -1,4 +1,4 @@
-//! What captions say of any computation: its parameters, its scheme and where it was computed.
+//! The texts that captions of all computations share: parameters, scheme and device.
 //!
 //! Owns the wording; breaks no lines.
 
@@ -9,7 +9,7 @@ use crate::experiment::{Scheme, Settings};
 use crate::machine::units::{Unit, five_digits};
 use crate::parameters::{PARAMETERS, Parameter};
 
-/// `symbol = value`, without a break within.
+/// `symbol = value` with non-breaking spaces.
 pub fn assignment(parameter: Parameter, value: f64) -> String {
     format!("{}\u{a0}=\u{a0}{}", parameter.info().symbol, number(rounded(value)))
 }
@@ -27,14 +27,14 @@ pub fn assigned(at: &Fixed, coordinate: Coordinate, value: f64) -> String {
     }
 }
 
-/// The initial state as captions name it, to five digits: the recipe beside them has all.
+/// The initial state for captions, to five digits; the experiment in the picture's file has all digits.
 pub fn start(state: [f64; 2]) -> String {
     let [x, y] = state.map(|value| number(five_digits(value)));
     format!("({x}, {y})")
 }
 
-/// What a picture shows nowhere else, but in `shown`: parameters, or the machine's quantities and the parameters that it
-/// gives. Those of heat and wear only where there is some.
+/// The fixed values in words, without those in `shown`, which the picture shows elsewhere: the parameters, or the machine's
+/// quantities and the parameters that it gives. Parameters of heat and wear appear only if there is heat or wear.
 pub fn fixed(at: &Fixed, shown: &[impl Into<Coordinate> + Copy]) -> String {
     let shown: Vec<Coordinate> = shown.iter().map(|&coordinate| coordinate.into()).collect();
     let parameters = fixed_list(at, &shown);
@@ -62,14 +62,14 @@ fn fixed_list(at: &Fixed, shown: &[Coordinate]) -> String {
         .filter(|parameter| !shown.iter().any(|coordinate| at.moves(*coordinate, *parameter)))
         .map(|parameter| (parameter, at[parameter]))
         .collect();
-    let is_rubbed = [Gamma, KW].iter().any(|rubbing| !all.contains(&(*rubbing, 0.0)));
+    let has_heat_or_wear = [Gamma, KW].iter().any(|rubbing| !all.contains(&(*rubbing, 0.0)));
     let fixed: Vec<String> = all
         .into_iter()
-        .filter(|(parameter, _)| is_rubbed || ![Gamma, KW, Biot, OmegaTilde, RampRate].contains(parameter))
-        // no ramp
+        .filter(|(parameter, _)| has_heat_or_wear || ![Gamma, KW, Biot, OmegaTilde, RampRate].contains(parameter))
+        // an infinite rate means that there is no ramp
         .filter(|(_, value)| value.is_finite())
         .map(|(parameter, value)| match at.governing(parameter) {
-            // what follows has more digits than the values that it follows from
+            // a derived value has more digits than the values from which it follows
             Some(_) => assignment(parameter, five_digits(value)),
             None => assignment(parameter, value),
         })

@@ -10,10 +10,10 @@ pub type Rgb = [u8; 3];
 /// A pair of colour scales: a two-sided one for quantities with a meaningful zero, a sequential one for the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColourScale {
-    /// Blue below zero, red above; yellow to blue where there is one side.
+    /// Two-sided: blue below zero, red above. Sequential: yellow to blue.
     #[default]
     BlueRed,
-    /// Purple below zero, green above; pale green to purple where there is one side.
+    /// Two-sided: purple below zero, green above. Sequential: pale green to purple.
     PurpleGreen,
 }
 
@@ -39,7 +39,7 @@ impl ColourScale {
         Self::ALL.into_iter().find(|scale| scale.name() == name)
     }
 
-    /// The colour of `t`, from -1 at the lower limit over 0 to 1 at the upper; beyond, the colour of the limit.
+    /// The colour of `t`: -1 is the lower limit, 1 the upper limit. Beyond a limit, the colour is that of the limit.
     ///
     /// Either side is a straight line in Oklab, so equal differences of `t` look equally large, and both sides have the
     /// same lightness at the same distance from zero.
@@ -53,8 +53,8 @@ impl ColourScale {
         oklch(between(TWO_SIDED_LIGHTNESS, distance), chroma * distance, hue)
     }
 
-    /// The colour of `t`, from 0 at the lower limit to 1 at the upper; beyond, the colour of the limit. Lightness falls
-    /// in proportion to `t`.
+    /// The colour of `t`: 0 is the lower limit, 1 the upper limit. Beyond a limit, the colour is that of the limit. Lightness
+    /// falls in proportion to `t`.
     pub fn sequential(self, t: f64) -> Rgb {
         let t = t.clamp(0.0, 1.0) as f32;
         let lightness = between(SEQUENTIAL_LIGHTNESS, t);
@@ -75,7 +75,7 @@ fn oklch(lightness: f32, chroma: f32, hue: f32) -> Rgb {
     Srgb::from_color(colour).into_format::<u8>().into()
 }
 
-// Colours of kinds: far apart from each other, and for most pairs also for readers who do not tell red from green.
+// Colours of kinds of motion. They are clearly different; most pairs are so also for readers who cannot tell red from green.
 /// Grey.
 pub const UNDECIDED: Rgb = [0x8c, 0x8c, 0x8c];
 /// Yellow.

@@ -12,7 +12,7 @@ use super::raster;
 use super::svg::{hex, line, upright, words};
 use super::text::width;
 
-/// The part of the sequential scale that is used: a single hit must be seen on white.
+/// Start of the used part of the sequential scale: a single hit must be visible on white.
 const PALEST: f64 = 0.22;
 
 /// Hits in a raster of cells.
@@ -89,7 +89,7 @@ impl Density {
         20.0 + 16.0 + 10.0 + width(&self.most().max(10).to_string(), size) + 2.2 * size
     }
 
-    /// The colour bar to the right of a panel; `id` tells its gradient from others in the document.
+    /// The colour bar to the right of a panel; `id` distinguishes its gradient from others in the document.
     pub(super) fn draw_bar(&self, svg: &mut String, [left, top, height]: [f64; 3], size: f64, id: usize) {
         const STOPS: u32 = 32;
         let (left, bar_width) = (left + 20.0, 16.0);

@@ -1,6 +1,6 @@
 //! Files of drawings: PNG and SVG of one page, with the experiment that they show.
 //!
-//! Owns where an SVG file keeps it; the page comes from a sheet, the experiment from whoever computed it.
+//! Owns the place of the experiment in an SVG file; the page comes from a sheet, the experiment from the caller.
 
 use std::path::{Path, PathBuf};
 
@@ -8,20 +8,20 @@ use super::page::Page;
 use super::png::{self, PngError};
 use crate::output::whole::write_text;
 
-/// What stands around an experiment in an SVG file.
+/// The tags around an experiment in an SVG file.
 const METADATA: [&str; 2] = ["<metadata>", "</metadata>\n"];
 
-/// `name` with an ending, `outputs/phase` with `.png`; dots in the name stay.
+/// Appends an ending to `name`, for example `.png` to `outputs/phase`; dots in the name stay.
 pub fn with_ending(name: &Path, ending: &str) -> PathBuf {
     let mut path = name.to_owned().into_os_string();
     path.push(ending);
     path.into()
 }
 
-/// Characters that XML writes in another way.
+/// Characters that XML text must escape, and how.
 const ESCAPED: [(&str, &str); 3] = [("&", "&amp;"), ("<", "&lt;"), (">", "&gt;")];
 
-/// Writes `NAME.svg` and `NAME.png`, the latter last; both hold the experiment, in TOML. Where the PNG file is there, both are.
+/// Writes `NAME.svg` and then `NAME.png`; both hold the experiment, in TOML. If the PNG file exists, the SVG file exists as well.
 ///
 /// # Errors
 /// [`PngError::Picture`] if the page cannot be drawn, [`PngError::Write`] if a file cannot be written.
@@ -33,7 +33,7 @@ pub fn write_drawing(name: &Path, page: &Page, title: &str, experiment: &str) ->
     Ok([png, svg])
 }
 
-/// The SVG text with an experiment behind its opening tag.
+/// The SVG text with an experiment after its opening tag.
 fn with_metadata(svg: &str, experiment: &str) -> String {
     let escaped = ESCAPED.iter().fold(experiment.to_owned(), |text, (plain, escaped)| {
         text.replace(plain, escaped)

@@ -16,11 +16,11 @@ pub(super) const SWATCH: f64 = 30.0;
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
-    /// The same in the legend.
+    /// Also used in the legend.
     pub colour: Rgb,
     /// In pixels.
     pub width: f64,
-    /// Whether it has gaps; thick lines have long ones.
+    /// Whether the line has gaps; they grow with the width.
     pub is_dashed: bool,
 }
 
@@ -57,15 +57,12 @@ impl Stroke {
     }
 }
 
-/// What lies within a frame; layers are drawn in their order. A name appears in the legend; an empty one does not. Points
-/// are [x, y] in values of the axes.
+/// One element within a frame; layers are drawn in their order. A name appears in the legend unless it is empty. Points are
+/// [x, y] in values of the axes.
 #[derive(Clone, Debug)]
-#[allow(
-    missing_docs,
-    reason = "what is said of the type and of its variants covers their fields"
-)]
+#[allow(missing_docs, reason = "the docs of the type and of its variants explain the fields")]
 pub enum Layer {
-    /// A line through points; NaN parts its pieces.
+    /// A line through points; NaN interrupts it.
     Curve {
         name: String,
         points: Vec<[f64; 2]>,
@@ -87,18 +84,18 @@ pub enum Layer {
     },
     /// Hits per pixel over the whole frame.
     Density(Density),
-    /// A line across the frame at a height.
+    /// A horizontal line across the frame, at a height.
     Level { y: f64, stroke: Stroke },
-    /// A line up the frame, and words above it, where they hide nothing.
+    /// A vertical line across the frame, with words above the frame, where they hide nothing.
     Flag { x: f64, words: String, stroke: Stroke },
-    /// An entry of the legend alone, for a curve whose layer does not stand in the legend's order.
+    /// Only an entry in the legend, for a curve whose place in the legend differs from its place among the layers.
     CurveKey { name: String, stroke: Stroke },
-    /// An entry of the legend alone, for marks of several colours.
+    /// Only an entry in the legend, for marks of several colours.
     MarkKey { name: String, colour: Rgb },
 }
 
 impl Layer {
-    /// What the legend calls it.
+    /// The layer's name in the legend.
     pub(super) fn name(&self) -> &str {
         match self {
             Self::Curve { name, .. }
@@ -110,7 +107,7 @@ impl Layer {
         }
     }
 
-    /// Whether it has values, wherever they lie.
+    /// Whether the layer has finite values, inside or outside the frame.
     pub(super) fn has_values(&self) -> bool {
         match self {
             Self::Curve { points, .. } | Self::Marks { points, .. } => {
@@ -122,7 +119,7 @@ impl Layer {
         }
     }
 
-    /// Whether something of it lies within the frame of two scales; lines across it, which mark a place, do not count.
+    /// Whether a part of the layer lies within the frame of two scales. `Level` and `Flag` do not count: they only mark a place.
     pub(super) fn shows(&self, x: &AxisScale, y: &AxisScale) -> bool {
         let is_within = |[px, py]: [f64; 2]| x.meets([px, px]) && y.meets([py, py]);
         match self {
@@ -166,7 +163,7 @@ impl Layer {
                 let _ = writeln!(svg, "<path d=\"{path}\" {}/>", stroke.attributes());
             }
             Self::Band { points, colour, .. } => {
-                // pieces between gaps, there along the upper end and back along the lower
+                // each piece between gaps: forward along the upper curve, back along the lower one
                 let pieces = points.split(|point| point.iter().any(|value| !value.is_finite()));
                 for piece in pieces.filter(|piece| !piece.is_empty()) {
                     let upper = piece.iter().map(|&[x, _, high]| place([x, high]));

@@ -1,6 +1,6 @@
 //! Pictures: maps, and panels of curves and densities, as PNG and SVG.
 //!
-//! Computes nothing but what a drawing needs. In their order, each file knows those before it only:
+//! Computes only what a drawing needs. Each file knows only those before it in this list:
 //!
 //! - [`colour`], `ticks`, `text`, `svg`: colours, numbers, words and elements; `error`: what can be wrong;
 //! - [`page`], [`png`], [`drawing`]: a finished page, and its files;

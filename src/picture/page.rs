@@ -8,10 +8,10 @@ use resvg::usvg::Tree;
 use super::error::PictureError;
 use super::text;
 
-/// What is drawn on white. Its SVG names the font DejaVu Sans, which [`Page::render`] brings along.
+/// A drawing on a white page. Its SVG names the font DejaVu Sans, which [`Page::render`] supplies.
 #[derive(Clone, Debug)]
 pub struct Page {
-    /// A whole document.
+    /// A complete SVG document.
     pub svg: String,
     /// In pixels.
     pub width: u32,

@@ -33,7 +33,7 @@ const LEGEND_ROW: f64 = 1.7 * TICK_SIZE;
 /// Room around a frame, in pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Room {
-    /// Words of the y axis, and the numbers at its ticks between them and the frame.
+    /// For the words of the y axis; `numbers` is for the numbers at its ticks, between the words and the frame.
     pub label: f64,
     pub numbers: f64,
     pub right: f64,
@@ -76,7 +76,7 @@ impl Panel {
         })
     }
 
-    /// What is said within a frame in which there is nothing.
+    /// The message in an empty frame; None if the frame is not empty.
     fn notice(&self) -> Option<String> {
         if self.layers.iter().any(|layer| layer.shows(&self.x, &self.y)) {
             return None;
@@ -89,8 +89,8 @@ impl Panel {
         Some(format!("nothing to draw: {reason}"))
     }
 
-    /// Draws the panel with its frame at [left, top, width, height], and the words of its y axis so far to the left that
-    /// there is room for `numbers`; `id` is unique in the document.
+    /// Draws the panel with its frame at [left, top, width, height]. The words of the y axis stand `numbers` pixels to the left
+    /// of the frame. `id` is unique in the document.
     pub(super) fn draw(&self, svg: &mut String, frame: [f64; 4], numbers: f64, id: usize) -> Result<(), PictureError> {
         let [left, top, frame_width, frame_height] = frame;
         let place = format!("x=\"{left}\" y=\"{top}\" width=\"{frame_width}\" height=\"{frame_height}\"");
@@ -114,7 +114,7 @@ impl Panel {
             left + width(&self.title, LABEL_SIZE) + 16.0
         };
         for (x, text) in self.flags() {
-            // above its line, but for the title and the frame's end
+            // above its line, unless the title or the frame's end leaves no room there
             let room = left + frame_width - width(text, TICK_SIZE);
             let at = (left + self.x.part(x) * frame_width - 6.0).min(room).max(clear);
             words(svg, text, at, top - 0.55 * LABEL_SIZE, TICK_SIZE, "start");
@@ -173,7 +173,7 @@ impl Panel {
         }
     }
 
-    /// The layers with a name of which there is something to see, in rows that fit under the frame.
+    /// The entries of the legend, in rows that fit under the frame: layers that have a name and are visible, and keys.
     fn legend_rows(&self, frame_width: f64) -> Vec<Vec<&Layer>> {
         let mut rows: Vec<Vec<&Layer>> = Vec::new();
         let mut room = 0.0;
@@ -185,7 +185,7 @@ impl Panel {
             let entry = entry_width(layer);
             if rows.is_empty() || entry > room {
                 rows.push(Vec::new());
-                // the last entry of a row may use its own distance to the next
+                // the last entry of a row needs no distance to a next entry
                 room = frame_width + 22.0;
             }
             room -= entry;

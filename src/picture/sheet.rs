@@ -64,7 +64,7 @@ impl Sheet {
             let of_column = rooms.iter().skip(column).step_by(columns);
             of_column.map(side).fold(0.0, f64::max).ceil()
         };
-        // frames stand below each other, so that equal axes can be compared
+        // the frames of a column are aligned, so that equal axes can be compared
         let mut lefts = Vec::new();
         let mut right = MARGIN;
         for column in 0..columns {

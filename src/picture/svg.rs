@@ -18,8 +18,8 @@ pub fn words(svg: &mut String, text: &str, x: f64, y: f64, size: f64, anchor: &s
     );
 }
 
-/// Where a text begins, from its anchor, and how it is anchored there. Some viewers anchor each run of a text by itself, so
-/// that one of several runs is laid from its start.
+/// The shift of a text with the given anchor, and its anchor in the SVG. Some viewers anchor each run of a text by itself; a
+/// text of several runs is therefore anchored at its start.
 fn anchored<'a>(text: &str, size: f64, anchor: &'a str) -> (f64, &'a str) {
     match anchor {
         "middle" if !is_plain(text) => (-0.5 * width(text, size), "start"),
@@ -28,7 +28,7 @@ fn anchored<'a>(text: &str, size: f64, anchor: &'a str) -> (f64, &'a str) {
     }
 }
 
-/// Paragraphs from the left end `x` down from `y`, in lines of at most `limit` pixels; the baseline of the last.
+/// Draws paragraphs below `y`, with their left end at `x`, in lines of at most `limit` pixels. Returns the last baseline.
 pub fn paragraphs(svg: &mut String, paragraphs: &[String], [x, mut y]: [f64; 2], size: f64, limit: f64) -> f64 {
     for line in paragraphs.iter().flat_map(|paragraph| wrap(paragraph, size, limit)) {
         y += 1.4 * size;
@@ -56,7 +56,7 @@ pub fn line(svg: &mut String, [x1, y1, x2, y2]: [f64; 4], stroke: f64) {
     );
 }
 
-/// Moves and lines through places; one that is not finite parts the line.
+/// The SVG path of a line through places; a place that is not finite interrupts the line.
 pub fn path(places: impl Iterator<Item = (f64, f64)>) -> String {
     let mut path = String::new();
     let mut is_drawing = false;

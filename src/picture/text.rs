@@ -1,6 +1,6 @@
-//! Text of figures: the font, subscripts, how wide a text is, and its breaking into lines.
+//! Text of figures: the font, subscripts, the width of a text, and line breaks.
 //!
-//! Owns the embedded font, so that figures need none of the system's; places nothing.
+//! Owns the embedded font, so that figures need no system font; places nothing.
 //!
 //! `k_w` and `x_{max}` are written with a subscript wherever a figure has text. Other underscores stay as they are.
 
@@ -10,10 +10,10 @@ use std::sync::{Arc, LazyLock};
 use resvg::usvg::{self, fontdb};
 
 const FONT_FAMILY: &str = "DejaVu Sans";
-/// What viewers of an SVG file take where that is not installed: Verdana has the same widths.
+/// The fonts that viewers of an SVG file use if this one is not installed: Verdana has the same widths.
 const FALL_BACK: &str = "Verdana, sans-serif";
 
-/// Size of subscripts and how far they are lowered, in parts of the text's size: as the font's own ₖ and ₁ are.
+/// Size of subscripts and their distance below the baseline, relative to the text's size: the same as for the font's own ₖ and ₁.
 const SUBSCRIPT_SIZE: f64 = 0.66;
 const SUBSCRIPT_DROP: f64 = 0.17;
 
@@ -27,7 +27,7 @@ static OPTIONS: LazyLock<usvg::Options<'static>> = LazyLock::new(|| {
     }
 });
 
-/// How SVG is read: with the embedded font alone.
+/// Options with which SVG is read: only the embedded font is known.
 pub fn options() -> &'static usvg::Options<'static> {
     &OPTIONS
 }
@@ -72,8 +72,8 @@ pub fn wrap(text: &str, size: f64, limit: f64) -> Vec<String> {
     lines
 }
 
-/// Text as the content of an SVG element of a font size: subscripts are smaller runs that are moved down, which all viewers
-/// can do, unlike a shift of the baseline.
+/// Text as the content of an SVG element with a font size. Subscripts are smaller runs that are moved down; all viewers can do
+/// this, whereas some cannot shift the baseline.
 pub fn marked_up(text: &str, size: f64) -> String {
     let drop = SUBSCRIPT_DROP * size;
     let mut svg = String::new();
@@ -97,7 +97,7 @@ pub fn is_plain(text: &str) -> bool {
     split_at_subscript(text).is_none()
 }
 
-/// Text on the baseline, which is moved up again after a subscript.
+/// Text on the baseline. After a subscript (`is_lowered`) it is moved up again.
 fn plain_run(text: &str, drop: f64, is_lowered: bool) -> String {
     match (is_lowered, text) {
         (_, "") => String::new(),
@@ -106,8 +106,8 @@ fn plain_run(text: &str, drop: f64, is_lowered: bool) -> String {
     }
 }
 
-/// The text before the first subscript, the subscript, and what follows: `_` behind a letter and before one in braces, or
-/// before a single letter or digit that ends the word.
+/// The text before the first subscript, the subscript, and the text after it. A subscript follows a letter and `_`; it is in
+/// braces, or it is a single letter or digit at the end of the word.
 fn split_at_subscript(text: &str) -> Option<(&str, &str, &str)> {
     let is_of_word = |character: char| character.is_alphanumeric() || character == '_';
     text.match_indices('_').find_map(|(at, _)| {
@@ -170,7 +170,7 @@ mod tests {
         assert!(width("u_w", 10.0) < width("uw", 10.0));
     }
 
-    /// A glyph that the font has not is drawn as an empty box, without an error.
+    /// A glyph that the font lacks is drawn as an empty box, without an error.
     #[test]
     fn the_font_has_every_glyph_that_is_written() {
         let has = |glyph: char| {

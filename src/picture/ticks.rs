@@ -9,8 +9,8 @@ pub struct Tick {
     pub label: String,
 }
 
-/// Multiples of 1, 2 or 5 times a power of ten in `low..=high`, as many as there can be up to `most` steps. Ends a little
-/// beyond round numbers make no difference, so that nearly equal axes have equal ticks.
+/// Ticks in `low..=high`: multiples of 1, 2 or 5 times a power of ten, as many as possible with at most `most` steps. Ends a
+/// little beyond round numbers do not change the ticks, so that nearly equal axes have equal ticks.
 pub fn ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
     let most = most.max(1);
     let ends = |step: f64| {
@@ -36,8 +36,8 @@ pub fn ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
         .collect()
 }
 
-/// Ticks of a logarithmic axis between two decadic logarithms: powers of ten, or 1, 2 and 5 times them where there are few, or round
-/// numbers at equal distances where there are fewer still.
+/// Ticks of a logarithmic axis between two decadic logarithms: powers of ten. If there are few of them, also 2 and 5 times these
+/// powers; if there are still fewer, round numbers at equal distances instead.
 pub fn decades(low: f64, high: f64) -> Vec<Tick> {
     // an end that is a power of ten must not be lost to rounding
     let slack = 1e-9 * (high - low);
@@ -63,7 +63,7 @@ pub fn decades(low: f64, high: f64) -> Vec<Tick> {
     between.collect()
 }
 
-/// Every second, third ... of the ticks, the first among them, so that they fit.
+/// The ticks if they fit; otherwise every second, third, ... tick from the first one on, so that they fit.
 pub fn thinned(ticks: &[Tick], fits: impl Fn(&[Tick]) -> bool) -> Vec<Tick> {
     let every = |stride: usize| -> Vec<Tick> { ticks.iter().step_by(stride).cloned().collect() };
     (1..ticks.len())
@@ -81,7 +81,7 @@ pub fn round_step(least: f64) -> f64 {
     factor.unwrap_or(10.0) * power
 }
 
-/// The least "round" number that is `least` or more, with steps fine enough for the limits of a scale.
+/// The least number that is `least` or more from a finer series of round numbers, for the limits of a scale.
 pub fn round_up(least: f64) -> f64 {
     let power = 10f64.powf(least.log10().floor());
     let factors = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];

@@ -1,6 +1,6 @@
-//! Studies made with the library: no part of what a user calls.
+//! Studies made with the library; a user of the library does not call them.
 //!
-//! - [`benchmark`]: points to time kernels on, and how exact they are;
+//! - [`benchmark`]: the cost of the kernels, and their accuracy;
 //! - `paper`: the paper's figures and numbers, computed anew, and drawn.
 
 pub mod benchmark;

@@ -1,7 +1,7 @@
-// What is taken from an accepted step: its end as the new state, and what it shows of extremes and of contact.
+// Evaluation of an accepted step: its end becomes the new state, and extremes and changes of contact are noted.
 // Twin: src/dynamics/adaptive/accepted.rs.
 
-// Parts that the surface temperature within a step may be off by, where it is not computed anew.
+// Relative error that the surface temperature within a step may have where it is not computed anew.
 override ROUGH: f32;
 
 // Takes the end of a trial as the new state.
@@ -36,7 +36,7 @@ fn accept(
     (*orbit).sine = sine + (cosine * turned.turn.sine - sine * turned.turn.versine);
     (*orbit).cosine = cosine - (sine * turned.turn.sine + cosine * turned.turn.versine);
 
-    // contact changes where its signal has come down to zero
+    // the signal is positive as long as the state of contact lasts
     let signal = select(trial.pressure[2], -trial.if_closed[2], (*orbit).contact < 0.5);
     if (signal < 0.0) {
         if ((*orbit).contact > 0.5 && (*orbit).lost_periods < 0.0) {
@@ -48,8 +48,8 @@ fn accept(
     }
 }
 
-// Takes note of what a step shows of the pressure and of the surface temperature, whose heat flux has the coefficients
-// `flux` and which ends with `heat`.
+// Notes the peaks of the pressure and of the surface temperature in a step. The heat flux of the step has the coefficients
+// `flux`; `heat` are the sums over the heat modes at its end.
 fn peaks_of(
     orbit: ptr<function, Orbit>,
     system: System,
@@ -69,7 +69,7 @@ fn peaks_of(
             (*orbit).peak_time = fma(highest.s, h, elapsed);
         }
     }
-    // within the step the temperature is known roughly: it is computed anew where it may be the greatest
+    // within the step the temperature is known only roughly: it is computed anew if it may exceed the peak
     let rough = cubic_new(start.heat.falloff, trial_falloff(trial, system.rubbing, start, h, heat));
     if (!stays_below(rough, (*orbit).peak_temperature / system.surface_temperature * (1.0 - ROUGH))) {
         let temperature = falloff_within(flux, maximum(rough).s, h) * system.surface_temperature;
@@ -77,7 +77,7 @@ fn peaks_of(
     }
 }
 
-// The surface temperature's sum w_m r_m q_m after a part of a step, whose heat flux has the coefficients `flux`.
+// The sum w_m r_m q_m of the surface temperature after a part of a step. The step's heat flux has the coefficients `flux`.
 fn falloff_within(flux: vec3<f32>, part: f32, length: f32) -> f32 {
     let h = part * length;
     let inverse_h = 1.0 / h;
@@ -95,7 +95,7 @@ fn advanced(step: Decay, mode: f32, flux: vec3<f32>) -> f32 {
     return fma(step.factor, mode, dot(step.moments, flux));
 }
 
-// A record raised to the greatest value of a cubic.
+// The greater of `record` and the greatest value of the cubic.
 fn raised(record: f32, cubic: Cubic) -> f32 {
     if (stays_below(cubic, record)) {
         return record;

@@ -12,13 +12,13 @@ override PRESSURE_FLOOR: f32;
 // The error of v is relative above this speed.
 override LARGE_SPEED: f32;
 
-// A trial is tried again where its error calls for a step of this part of it or less.
+// A trial is rejected if its error calls for a step of this part of its length or less.
 override REJECTED: f32;
 
-// Part of the step with just the tolerated error that is tried next.
+// The next step is this part of the step that would have just the tolerated error.
 override SAFETY: f32;
 
-// The drive over a step, and what its phase grows by.
+// The drive over a step, and the growth of its phase as a rotation.
 struct Turned {
     drive: Drive,
     turn: Rotation,
@@ -46,12 +46,12 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
     let guess = fma(fma(vec3((*orbit).guess_2), time, vec3((*orbit).guess_1)), time, vec3((*orbit).guess_0));
     let trial = solve(rubbing, start, drive, memory, guess, run.newton);
 
-    // what the trial calls for: a part of itself, if it is to be tried again
+    // allowed length of the next step over that of the trial: by the error, and by the end of the piece or of the contact
     let growth = orbit_growth(orbit, rubbing, start, trial, h);
     let cut = orbit_cut(orbit, rubbing, start, trial);
     let accepted = cut.stays && trial.converged && is_below(REJECTED, growth) && is_below(growth, LARGEST);
     let longer = clamp(growth * SAFETY, 0.2, 3.0);
-    // whatever has converged guesses the next; what has not is forgotten
+    // a trial that has converged is the guess for the next one; one that has not is forgotten
     (*orbit).guess_0 = start.acceleration;
     (*orbit).guess_1 = 0.0;
     (*orbit).guess_2 = 0.0;
@@ -85,8 +85,8 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
     give_up(orbit, system, abs(start.x) + abs(start.shaft_speed - start.v), length);
 }
 
-// Shaft speed and fit over a step of `h`: growth since its start, at the nodes. Growth, not values, so that the digits
-// of v are not lost. With sine and 1 - cosine of what the drive's phase grows by.
+// Growth of the shaft speed and of the fit from the start of a step of `h` to its nodes. Growth, not values, so that the digits
+// of v are not lost. Also sine and 1 - cosine of the growth of the drive's phase.
 fn orbit_drive(orbit: ptr<function, Orbit>, system: System, ticks: f32, h: f32, elapsed: f32) -> Turned {
     let angle = ticks * (TAU / f32(TICKS));
     let first = rotation(angle * NODE_0);
@@ -104,15 +104,15 @@ fn orbit_drive(orbit: ptr<function, Orbit>, system: System, ticks: f32, h: f32, 
     return Turned(Drive(h, speed, growth), last);
 }
 
-// The factor by which a trial would be longer if its error were just the tolerance.
+// The factor by which the trial must be longer for its error to be just the tolerance.
 fn orbit_growth(orbit: ptr<function, Orbit>, rubbing: Rubbing, start: Start, trial: Trial, h: f32) -> f32 {
-    // the quadratics extrapolated to the start miss the values there; a stiff motion forgets the error
+    // the error estimate: at the start, the extrapolated quadratics miss the values there; a stiff motion damps this error
     let weight = h * ERROR_WEIGHT;
     let slope = friction_slope(rubbing, start.piece, (*orbit).v);
     let rate = fma(rubbing.epsilon * start.pressure, slope, rubbing.damping);
     let forgets = fma(weight, max(rate, 0.0), 1.0);
     let inside = abs((*orbit).piece - 1.5) < 1.0;
-    // what runs away is as exact as it is large
+    // at large |v|, where a motion runs away, the allowed error is relative to |v|
     let large = max(abs((*orbit).v) / LARGE_SPEED, 1.0);
     let scale = select(large, rubbing.layer, inside);
     let pressure = abs(start.pressure) + PRESSURE_FLOOR;
@@ -124,8 +124,8 @@ fn orbit_growth(orbit: ptr<function, Orbit>, rubbing: Rubbing, start: Start, tri
     return sqrt(sqrt(allowed / error));
 }
 
-// The longest step, in tau, that shows the slower of the two rates of the linearised motion: about by_x/by_y where it is
-// overdamped, and else the root of by_x.
+// The longest step, in tau, that resolves the slower of the two rates of the linearised motion. This rate is about by_x/by_y
+// where the motion is overdamped, and else the root of by_x.
 fn swing_step(orbit: ptr<function, Orbit>, rubbing: Rubbing) -> f32 {
     let stiff = abs(stiffness(rubbing, (*orbit).x));
     let piece = rubbing_piece(rubbing, (*orbit).piece);
@@ -134,8 +134,8 @@ fn swing_step(orbit: ptr<function, Orbit>, rubbing: Rubbing) -> f32 {
     return run.swing * fma(0.5, damping, sqrt(stiff)) / max(stiff, 1e-6);
 }
 
-// Gives the orbit up if its step has become too short or its state is no longer a number of this world. The last step was of
-// `ticks` from a state of the size |x| + |y| `size_before`.
+// Gives the orbit up if its step has become too short, or if its state is beyond the bounds or is NaN. The last step had the
+// length `ticks`; before it, |x| + |y| was `size_before`.
 fn give_up(orbit: ptr<function, Orbit>, system: System, size_before: f32, ticks: f32) {
     let y = fma(system.rubbing.zeta_k, (*orbit).sine, system.rubbing.omega_k) - (*orbit).v;
     if (!is_below(abs((*orbit).heat_pressure), PRESSURE_BOUND) || has_run_away((*orbit).x, y)) {
@@ -151,7 +151,7 @@ fn give_up(orbit: ptr<function, Orbit>, system: System, size_before: f32, ticks:
     }
 }
 
-// sin and 1 - cos of an angle of 0 to 2 pi/16, by their series: no digits are lost in either.
+// sin and 1 - cos of an angle from 0 to 2 pi/16, by their series, so that neither loses digits.
 fn rotation(angle: f32) -> Rotation {
     let square = angle * angle;
     var sine = fma(square, -1.0 / 5040.0, 1.0 / 120.0);

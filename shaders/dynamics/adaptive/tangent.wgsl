@@ -1,21 +1,22 @@
 // The tangent vector of the full state. Twin: src/dynamics/adaptive/tangent.rs.
 
-// A norm outside of the inverse of this to this is far from 1.
+// A norm is far from 1 if it is greater than this or less than the inverse of this.
 override COMFORTABLE: f32;
 
 // Smallest squared norm, in the range of normal numbers.
 override SMALLEST_SQUARE: f32;
 
-// Divides the tangent vector by its norm and returns the logarithm of that. The norm is that of (X, Y) where there is wear, and
-// else that of (X, Y) and the heat modes, these in units of the pressure that they make (none where they feed nothing back).
+// Divides the tangent vector by its norm and returns the logarithm of the norm. Where there is wear, the norm is that of (X, Y).
+// Elsewhere it is that of (X, Y) and the heat modes, these in units of the pressure that they make (none where they feed nothing
+// back).
 fn normalise(orbit: ptr<function, Orbit>, system: System) -> f32 {
     let norm = tangent_norm(orbit, system);
     divide(orbit, norm);
     return log(norm);
 }
 
-// Divides the vector by its norm if that is far from 1, before it leaves the numbers, and returns the logarithm of what it was
-// divided by.
+// Divides the vector by its norm if the norm is far from 1, before it overflows or underflows. Returns the logarithm of the
+// divisor.
 fn settle(orbit: ptr<function, Orbit>, system: System) -> f32 {
     let norm = tangent_norm(orbit, system);
     if (1.0 / COMFORTABLE < norm && norm < COMFORTABLE) {

@@ -11,12 +11,12 @@ use crate::lanes::x86;
 pub enum InstructionSet {
     Avx512,
     Avx2,
-    /// What every machine of the target has (on x86-64 SSE2, on aarch64 NEON).
+    /// The instructions that every machine of the target has (SSE2 on x86-64, NEON on aarch64).
     Portable,
 }
 
 impl InstructionSet {
-    /// Those that this machine has, the fastest first.
+    /// The instruction sets that this machine has, the fastest first.
     pub fn available() -> Vec<Self> {
         [Self::Avx512, Self::Avx2, Self::Portable]
             .into_iter()
@@ -46,7 +46,7 @@ impl InstructionSet {
         }
     }
 
-    /// Numbers in one vector register; for the portable set, worked on together.
+    /// Numbers in one vector register; for the portable set, numbers that are worked on together.
     pub fn lanes(self, precision: Precision) -> usize {
         match (self, precision) {
             (Self::Avx512, Precision::F64) | (Self::Avx2, Precision::F32) => 8,

@@ -1,8 +1,8 @@
 //! The CPU backend: blocks of lanes on all cores, f64 (the reference) or f32.
 //!
 //! Owns the dispatch by instruction set, outside the loops; the arithmetic is the model's and the
-//! scheme's, written once over the lane type. The schemes are long, and compiled for every lane type: the library's unit
-//! tests have the portable ones alone, which halves the time that a build of all tests takes.
+//! scheme's, written once over the lane type. The schemes are long and are compiled for every lane type. The library's unit
+//! tests therefore have the portable lane types alone, which halves the time that a build of all tests takes.
 
 mod instructions;
 mod radau;
@@ -23,16 +23,16 @@ use crate::experiment::{Precision, Scheme, Settings};
 use crate::lanes::x86::{Avx2, Avx512, OverLanes};
 use crate::lanes::{Held, Instructions, Pair, Portable, Real, Wide};
 
-/// Vectors in flight of rk4 with tangent vectors; measured on AVX-512, as are the next two.
+/// Vectors that rk4 works on together where it carries tangent vectors. This number and the next two were measured on AVX-512.
 const RK4_IN_FLIGHT: usize = 2;
-/// Groups of so many vectors that make a block of rk4.
+/// Number of such groups of vectors in a block of rk4.
 const RK4_GROUPS: usize = 2;
 
-/// A second of work for a thread, in many more blocks than there are threads, which wait for each other after every slice of
-/// it.
+/// Instances in a batch for each thread: a second of work. A batch then has many more blocks than there are threads, which wait
+/// for each other after every slice of it.
 const BATCH_A_THREAD: usize = 4096;
 
-/// Instances that are worth another thread where something is merely read of each.
+/// Least number of instances for which another thread pays where something is only read from each.
 const READ_A_THREAD: usize = 256;
 
 /// Integrates on all cores of the machine.
@@ -150,15 +150,16 @@ impl Backend for CpuBackend {
     }
 }
 
-/// What a backend has seen to when it was made.
+/// This was ensured when the backend was made.
 #[cfg(all(target_arch = "x86_64", not(test)))]
 const AVAILABLE: &str = "a backend has only instructions that are available";
 
-/// What Taylor's blocks are made of: the operations of one vector, or of two, wait for each other too long to fill the
-/// machine.
+/// Four vectors together, of which Taylor's blocks are made: the operations of one vector, or of two, wait for each other too
+/// long to keep a core busy.
 type Quad<V> = Pair<Pair<V>>;
 
-/// The batch for a scheme, in vectors `V` of the instruction set `I`, or in `T`, as many of them as Taylor's blocks hold.
+/// The batch for a scheme, in vectors `V` of the instruction set `I`. Taylor's blocks use `T` instead, several such vectors
+/// together.
 fn batch<I: Instructions, V: Real + Send + Sync + 'static, T: Real + Send + Sync + 'static>(
     instructions: I,
     settings: &Settings,
@@ -175,7 +176,7 @@ fn batch<I: Instructions, V: Real + Send + Sync + 'static, T: Real + Send + Sync
     }
 }
 
-/// What a batch is made of, but for its lanes.
+/// Everything that a batch is made of, except its lane type.
 #[cfg(all(target_arch = "x86_64", not(test)))]
 struct NewBlocks<'a> {
     settings: &'a Settings,
@@ -201,7 +202,7 @@ trait CpuBatch: Send {
 
 /// Instances that one thread carries on together by one scheme.
 trait Block: Send + Sync + Sized {
-    /// What all instances of a batch share.
+    /// Data that all instances of a batch share.
     type Run: Send + Sync;
     /// Number of instances that a block holds.
     const INSTANCES: usize;
@@ -211,20 +212,20 @@ trait Block: Send + Sync + Sized {
     /// A block of at most [`Block::INSTANCES`] instances; it is filled up with copies of the last one.
     fn new(run: &Self::Run, settings: &Settings, instances: &[Instance]) -> Self;
 
-    /// Changes the lengths and the tolerance of a run of heat or wear.
+    /// Changes the numbers of periods and the tolerance of a run with heat or wear.
     fn change(_: &mut Self::Run, _: &Settings) {
         unreachable!("only with heat or wear a batch goes on by other settings")
     }
 
-    /// Whether the transient is [`Block::advance_plain`]'s; it is a function of its own since compilers take much longer
-    /// over twice as much in one.
+    /// Whether the transient is left to [`Block::advance_plain`]. It is a separate function, since compilers take much longer for
+    /// one function of twice the size.
     const IS_SPLIT: bool = false;
 
-    /// Carries the block on by a slice; sums up where its stage is to be measured. As the next function, it must be
-    /// `#[inline(always)]`, as is all that it calls in its loops, so that it is compiled for its caller's instruction set.
+    /// Advances the block by a slice, and sums up if the slice is measured. This function, the next one, and all functions that
+    /// they call in their loops must be `#[inline(always)]`, so that they are compiled for the caller's instruction set.
     fn advance(&mut self, run: &Self::Run, slice: &Slice);
 
-    /// Carries the motion alone on by a slice.
+    /// Advances the motion alone by a slice.
     #[inline(always)]
     fn advance_plain(&mut self, _: &Self::Run, _: &Slice) {
         unreachable!("only a split block is advanced in this way")
@@ -237,7 +238,7 @@ trait Block: Send + Sync + Sized {
 }
 
 /// The blocks of a batch, in lanes of the instructions `I`.
-#[expect(clippy::struct_field_names, reason = "what it is made of gives it its name")]
+#[expect(clippy::struct_field_names, reason = "the struct is named after its main field")]
 struct Blocks<I, B: Block> {
     run: Held<I, B::Run>,
     blocks: Vec<Held<I, B>>,
@@ -271,7 +272,7 @@ impl<I: Instructions, B: Block> CpuBatch for Blocks<I, B> {
 
     fn advance(&mut self, slice: &Slice) {
         let blocks = self.blocks.par_iter_mut();
-        // what carries a block on is inlined, so that it is compiled for the instructions
+        // the code that advances a block is inlined, so that it is compiled for the instructions
         self.run.with(|run| {
             if B::IS_SPLIT && slice.stage == Stage::Transient {
                 blocks.for_each(|block| {

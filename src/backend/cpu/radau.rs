@@ -1,7 +1,7 @@
 //! A block of instances with frictional heat and wear that one thread carries on by the Radau scheme.
 //!
-//! Owns the loop over forcing periods and what is made of each; the steps within are [`adaptive`]'s. Compiled for each
-//! instruction set by its caller.
+//! Owns the loop over forcing periods and what is recorded of each; [`adaptive`](crate::dynamics::adaptive) takes the steps
+//! within. Compiled for each instruction set by its caller.
 
 use super::super::{EndState, Instance, Slice, Stage, Sums};
 use super::Block;
@@ -27,7 +27,7 @@ pub(super) struct RadauBlock<R: Real> {
     forcing_periods: Vec<f64>,
 }
 
-/// What all instances of a batch share.
+/// Data that all instances of a batch share.
 pub(super) struct Run<R> {
     measuring: Measuring,
     control: Control<R>,
@@ -44,10 +44,10 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
         Run {
             measuring: Measuring::new(settings),
             control: Control::new(&settings.integration),
-            // without heat anywhere modes would be found, and carried, in vain
+            // if no instance has heat or wear, heat modes would be computed and carried in vain
             spectra: points
                 .clone()
-                .any(ParameterSet::is_rubbed)
+                .any(ParameterSet::has_heat_or_wear)
                 .then(|| Spectra::new(points, settings.integration.modes as usize)),
         }
     }
@@ -91,7 +91,7 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
             self.orbit.extremes = [self.orbit.x; 2];
         }
         for n in 0..slice.periods {
-            // one call for all stages: the scheme is long, and is compiled for every lane type
+            // one call serves all stages: the scheme is long, and every call of it is compiled for every lane type
             let tangent = (slice.stage != Stage::Transient).then_some(&mut self.tangent);
             self.orbit
                 .period(&self.system, &run.control, &mut self.peaks, tangent, &mut self.scratch);
@@ -137,8 +137,8 @@ impl<R: Real> RadauBlock<R> {
     fn add(&mut self, run: &Run<R>, index: u32, first: R, divergence: R) {
         let (x, y) = (self.orbit.x, self.orbit.y(&self.system));
         // with heat or wear the tangent space has more dimensions than two
-        let is_rubbed = R::splat(0.5).less(self.system.is_rubbed);
-        let divergence = R::select(is_rubbed, R::splat(f64::NAN), divergence);
+        let has_heat_or_wear = R::splat(0.5).less(self.system.has_heat_or_wear);
+        let divergence = R::select(has_heat_or_wear, R::splat(f64::NAN), divergence);
         self.record.add(
             &run.measuring,
             index,

@@ -1,4 +1,4 @@
-//! What is summed up and noted of the instances in a vector's lanes, whatever the scheme.
+//! The sums and notes of the instances in a vector's lanes, for every scheme.
 //!
 //! Owns sums, extremes, the stroboscope, runaways and under-resolved lanes; steps nothing.
 
@@ -11,7 +11,7 @@ use crate::experiment::Settings;
 use crate::lanes::{Mask, Real};
 use crate::model::motion::RUNAWAY_BOUND;
 
-/// What all instances of a batch share of a measurement.
+/// Data of a measurement that all instances of a batch share.
 pub(super) struct Measuring {
     birkhoff_weights: Vec<f64>,
     /// Measured periods before the stroboscopic window.
@@ -42,11 +42,11 @@ pub(super) struct Record<R> {
     pub x_min: R,
     pub x_max: R,
     stroboscope: Stroboscope<R>,
-    /// Of the motion, in forcing periods, once the run has ended.
+    /// Period of each lane's motion, in forcing periods, once the run has ended.
     motion_periods: Vec<Option<u32>>,
     /// When a lane ran away, in forcing periods since the start of the run.
     runaways: Vec<Option<f64>>,
-    /// The state at the beginning of the period in which it did, where the scheme cannot tell when within it.
+    /// The state at the beginning of the period in which the lane ran away, for schemes that do not know when within the period.
     runaway_starts: Vec<Option<[f64; 2]>>,
     under_resolved: Vec<bool>,
 }
@@ -111,7 +111,8 @@ impl<R: Real> Record<R> {
             period_tolerance,
             ..
         } = *measuring;
-        // most lanes come to rest on a short period, or on none, which their last states tell
+        // period 1 is looked for in all lanes at once; of the others, most have a short period or none, and their last states
+        // show which
         let repeats = self.stroboscope.repeats_after_one(R::splat(period_tolerance));
         for (lane, period) in self.motion_periods.iter_mut().enumerate() {
             *period = if repeats.lane(lane) {
@@ -122,8 +123,8 @@ impl<R: Real> Record<R> {
         }
     }
 
-    /// Notes which lanes were found to have run away after `periods` of the run, the last of which began in the state `begun`;
-    /// tells whether any was.
+    /// Notes the lanes that have run away by the end of the period `periods` of the run, counted from 1. This period began in the
+    /// state `begun`. Returns whether there are such lanes.
     #[inline(always)]
     pub fn note_runaways(&mut self, x: R, y: R, begun: [R; 2], periods: u32) -> bool {
         let inside = (x.abs() + y.abs()).less(R::splat(RUNAWAY_BOUND));
@@ -139,7 +140,8 @@ impl<R: Real> Record<R> {
         true
     }
 
-    /// Notes the lanes for which `ran_away` tells when, in forcing periods since the start of the run; the first time counts.
+    /// Notes when lanes ran away, in forcing periods since the start of the run: `ran_away` returns that, or None for a lane that
+    /// has not. The first time counts.
     pub fn note_runaway_lanes(&mut self, ran_away: impl Fn(usize) -> Option<f64>) {
         for (lane, runaway) in self.runaways.iter_mut().enumerate() {
             *runaway = runaway.or_else(|| ran_away(lane));

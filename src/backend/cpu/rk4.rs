@@ -17,15 +17,16 @@ use crate::lanes::{Real, Wide};
 use crate::model::motion::Motion;
 use crate::parameters::Parameter;
 
-/// What all instances of a batch share.
+/// Data that all instances of a batch share.
 pub(super) struct Run<S> {
     drive: DriveTable<S>,
     measuring: Measuring,
     renormalise_every: usize,
 }
 
-/// The instances of `G` groups. The motion alone is stepped for all groups together: so many independent vectors hide
-/// each other's latency. With tangent vectors a group has enough of its own, and more would not fit the registers.
+/// The instances of `G` groups. The motion alone is stepped for all groups together: their independent vectors hide each
+/// other's latency. With tangent vectors, a single group has enough independent operations, and more would not fit the
+/// registers.
 pub(super) struct Rk4Block<R, const G: usize> {
     motion: Motion<Wide<R, G>>,
     h: StepSize<Wide<R, G>>,
@@ -187,7 +188,7 @@ impl<R: Real> Group<R> {
         (growth_of_first(first, divergence), divergence)
     }
 
-    /// The same with both vectors.
+    /// As [`Group::period_with_tangent`], with both tangent vectors.
     #[inline(always)]
     fn checked_period(&mut self, run: &Run<R::Scalar>) -> (Growth<R>, R) {
         let (mut first, mut second, mut divergence) = (R::splat(0.0), R::splat(0.0), R::splat(0.0));

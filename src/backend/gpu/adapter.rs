@@ -1,12 +1,12 @@
 //! The GPU adapters of the machine, and the choice among them.
 //!
-//! Owns which adapter is taken and what is said where none is; opens no device.
+//! Owns the choice of an adapter, and the message if there is none; opens no device.
 
 use std::fmt;
 
 use crate::backend::BackendError;
 
-/// What people are told of an adapter.
+/// Description of an adapter for the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterDescription {
     pub name: String,
@@ -14,7 +14,7 @@ pub struct AdapterDescription {
     pub backend: String,
     pub device_type: String,
     pub driver: String,
-    /// Whether it is no GPU but a program that plays one on the CPU.
+    /// Whether it is not a GPU, but a program that acts as one on the CPU.
     pub is_software: bool,
 }
 
@@ -25,7 +25,7 @@ impl fmt::Display for AdapterDescription {
 }
 
 impl AdapterDescription {
-    /// Whether `part` occurs in the name, whatever the case.
+    /// Whether `part` occurs in the name, in upper or lower case.
     pub fn is_named(&self, part: &str) -> bool {
         self.name.to_lowercase().contains(&part.to_lowercase())
     }
@@ -56,7 +56,7 @@ impl AdapterDescription {
     }
 }
 
-/// The adapters that are there, the preferred first.
+/// The adapters of this machine, the preferred one first.
 pub fn adapters() -> Vec<AdapterDescription> {
     enumerate()
         .iter()
@@ -72,7 +72,7 @@ fn enumerate() -> Vec<wgpu::Adapter> {
     adapters
 }
 
-/// Hardware before software, large before small; of one device's interfaces, OpenGL last.
+/// Order of preference: hardware before software, large before small; OpenGL is the last of a device's interfaces.
 fn rank(info: &wgpu::AdapterInfo) -> (u8, bool) {
     let device = match info.device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
@@ -84,7 +84,7 @@ fn rank(info: &wgpu::AdapterInfo) -> (u8, bool) {
     (device, info.backend == wgpu::Backend::Gl)
 }
 
-/// The first adapter with `name` in its name, whatever the case; a software adapter only where that is allowed.
+/// The first adapter with `name` in its name, in upper or lower case; a software adapter only if that is allowed.
 ///
 /// # Errors
 /// [`BackendError::NoDevice`], saying which adapters there are and what to do.

@@ -1,6 +1,6 @@
-//! A batch on its way through a device, whatever its model.
+//! A batch on a device, for every model.
 //!
-//! Owns how a slice is cut into dispatches, and each of these; what kernels compute, and from what, the model knows.
+//! Owns the division of a slice into dispatches, and each dispatch; the model knows what the kernels compute, and from what.
 
 use std::time::{Duration, Instant};
 
@@ -49,7 +49,7 @@ impl GpuBatch {
         }
     }
 
-    /// By which it is carried on.
+    /// The scheme that advances the batch.
     pub fn scheme(&self) -> Scheme {
         self.scheme
     }
@@ -64,7 +64,7 @@ impl GpuBatch {
             .write_run(context, &self.buffers, settings, self.load.instances as usize);
     }
 
-    /// Carries the batch on by a slice, in as many dispatches as that takes.
+    /// Advances the batch by a slice, in as many dispatches as that takes.
     pub fn advance(&self, context: &GpuContext, kernels: &mut Kernels, slice: &Slice) -> Result<(), BackendError> {
         let mut left = *slice;
         while left.periods > 0 {
@@ -79,7 +79,7 @@ impl GpuBatch {
         Ok(())
     }
 
-    /// Returns how long it took.
+    /// Carries out one dispatch; returns how long it took.
     fn dispatch(
         &self,
         context: &GpuContext,

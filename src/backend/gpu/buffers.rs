@@ -1,6 +1,6 @@
-//! The device memory of a batch, whatever the model.
+//! The device memory of a batch, for every model.
 //!
-//! Owns the buffers, and the passage of what they hold to the device and back; what that is, the model knows.
+//! Owns the buffers, and the transfer of their contents to the device and back; the model knows what the contents mean.
 
 use bytemuck::Pod;
 use wgpu::BufferUsages;
@@ -10,8 +10,8 @@ use super::layout::{Access, Binding};
 use crate::backend::BackendError;
 use crate::experiment::Settings;
 
-/// The buffers that a model's kernels are bound to, and one by way of which the host reads them.
-#[expect(clippy::struct_field_names, reason = "what it is made of gives it its name")]
+/// The buffers that a model's kernels are bound to, and a staging buffer through which the host reads them.
+#[expect(clippy::struct_field_names, reason = "the struct is named after its main field")]
 pub(super) struct Buffers {
     bindings: &'static [Binding],
     /// In the order of the bindings.
@@ -21,7 +21,7 @@ pub(super) struct Buffers {
 }
 
 impl Buffers {
-    /// Allocates for a batch of so many instances; what cannot be allocated is an error.
+    /// Allocates the buffers for a batch of `instances` instances; fails if one cannot be allocated.
     pub fn new(
         context: &GpuContext,
         layout: &wgpu::BindGroupLayout,
@@ -69,7 +69,7 @@ impl Buffers {
         })
     }
 
-    /// Whether these are a model's with such bindings, and a batch fits.
+    /// Whether these buffers belong to a model with these bindings, and are large enough for a batch of `instances`.
     pub fn hold(&self, bindings: &'static [Binding], settings: &Settings, instances: usize) -> bool {
         let fits = |(binding, buffer): (&Binding, &wgpu::Buffer)| binding.size(settings, instances) <= buffer.size();
         std::ptr::eq(self.bindings, bindings) && bindings.iter().zip(&self.buffers).all(fits)
@@ -106,14 +106,14 @@ impl Buffers {
         self.read_then(context, number, count, |_, _| ())
     }
 
-    /// The first `count` elements of a buffer, which begins at zero again.
+    /// Reads the first `count` elements of a buffer and sets the buffer to zero.
     pub fn take<T: Pod>(&self, context: &GpuContext, number: u32, count: usize) -> Result<Vec<T>, BackendError> {
         self.read_then(context, number, count, |encoder, buffer| {
             encoder.clear_buffer(buffer, 0, None);
         })
     }
 
-    /// Reads `count` elements of a buffer, then does what `after` encodes.
+    /// Reads the first `count` elements of a buffer, then carries out the commands that `after` encodes.
     fn read_then<T: Pod>(
         &self,
         context: &GpuContext,
@@ -132,7 +132,7 @@ impl Buffers {
         after(&mut encoder, buffer);
         context.queue().submit([encoder.finish()]);
         let staged = self.staging.slice(..size);
-        // whether it is mapped shows below
+        // `get_mapped_range` below fails if the buffer was not mapped
         staged.map_async(wgpu::MapMode::Read, |_| ());
         context.wait()?;
         let elements = staged

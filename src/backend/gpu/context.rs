@@ -1,4 +1,4 @@
-//! An open GPU: device and queue, and what has gone wrong with them.
+//! An open GPU: device and queue, and the errors that they have reported.
 //!
 //! Owns the device and turns every way it can fail into a [`BackendError`]; knows nothing of batches.
 
@@ -6,16 +6,16 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use super::BINDINGS;
 use super::adapter::{self, AdapterDescription};
 use super::layout::{Access, Binding};
-use super::model;
 use super::shader_source::Lanes;
 use crate::backend::BackendError;
 
 /// Threads in a workgroup: a whole number of every vendor's subgroups.
 const WORKGROUP_SIZE: u32 = 64;
 
-/// A device that has not answered for so long is taken for lost. Dispatches last a tenth of a second.
+/// A device that has not answered for this time counts as lost. Dispatches last a tenth of a second.
 const PATIENCE: Duration = Duration::from_mins(1);
 
 /// An open GPU, and how kernels are to be compiled for it.
@@ -29,17 +29,17 @@ pub struct GpuContext {
 }
 
 impl GpuContext {
-    /// Opens the first adapter with `adapter` in its name, whatever the case, or the best one; a software adapter only
-    /// where `allow_software`.
+    /// Opens the first adapter with `adapter` in its name, in upper or lower case; without a name, the best one. It may be a
+    /// software adapter only if `allow_software`.
     ///
     /// # Errors
-    /// [`BackendError::NoDevice`] where no adapter fits, [`BackendError::Unsupported`] where its limits are too low,
-    /// and what else its driver reports.
+    /// [`BackendError::NoDevice`] if no adapter fits, [`BackendError::Unsupported`] if its limits are too low, and other errors
+    /// that its driver reports.
     pub fn open(adapter: Option<&str>, allow_software: bool) -> Result<Self, BackendError> {
         Self::open_with_workgroup_size(adapter, allow_software, WORKGROUP_SIZE)
     }
 
-    /// As [`GpuContext::open`], with so many threads in a workgroup.
+    /// As [`GpuContext::open`], with `workgroup_size` threads in a workgroup.
     ///
     /// # Errors
     /// As [`GpuContext::open`].
@@ -50,7 +50,7 @@ impl GpuContext {
     ) -> Result<Self, BackendError> {
         let adapter = adapter::choose(adapter, allow_software)?;
         let description = AdapterDescription::new(&adapter.get_info());
-        // all that the adapter has: the default limits would keep batches small
+        // the highest limits of the adapter: the default ones would keep batches small
         let limits = adapter.limits();
         check_limits(&description, &limits, workgroup_size)?;
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
@@ -72,7 +72,7 @@ impl GpuContext {
         Ok(context)
     }
 
-    /// The same with so many instances in a thread, whatever would suit the adapter.
+    /// The same context with `lanes` instances in a thread, instead of the number that suits the adapter.
     #[must_use]
     pub fn with_lanes(self, lanes: Lanes) -> Self {
         Self { lanes, ..self }
@@ -100,10 +100,10 @@ impl GpuContext {
         self.lanes
     }
 
-    /// Fails with what has gone wrong since the last call; wgpu's calls themselves report nothing.
+    /// Fails if the device is lost or has reported an error since the last call of this; wgpu's own calls report nothing.
     pub(super) fn check(&self) -> Result<(), BackendError> {
         if let Some(error) = self.faults.take_error() {
-            // whatever is asked of a lost device is an error, and the loss is reported only when it is polled for
+            // every call to a lost device is an error, and wgpu reports the loss itself only when the device is polled
             let _ = self.poll(wgpu::PollType::Poll);
             self.faults.check_not_lost()?;
             return Err(error);
@@ -122,7 +122,7 @@ impl GpuContext {
     }
 
     fn poll(&self, poll: wgpu::PollType) -> Result<(), BackendError> {
-        // where the driver reports a loss while it is polled, wgpu panics instead of returning
+        // if the driver reports a loss during a poll, wgpu panics instead of returning
         match catch_unwind(AssertUnwindSafe(|| self.device.poll(poll))) {
             Ok(Ok(_)) => Ok(()),
             Ok(Err(wgpu::PollError::Timeout)) => Err(BackendError::DeviceLost(format!(
@@ -135,7 +135,7 @@ impl GpuContext {
     }
 }
 
-/// The kernels need little, but not every adapter has it.
+/// Checks that the adapter has what the kernels need; that is little, but not every adapter has it.
 fn check_limits(
     description: &AdapterDescription,
     limits: &wgpu::Limits,
@@ -145,7 +145,7 @@ fn check_limits(
         .max_compute_invocations_per_workgroup
         .min(limits.max_compute_workgroup_size_x);
     let storage_buffers = |model: &&[Binding]| model.iter().filter(|it| it.access != Access::Uniform).count();
-    let uniforms = model::BINDINGS
+    let uniforms = BINDINGS
         .iter()
         .flat_map(|model| model.iter().filter(|it| it.access == Access::Uniform));
     for (what, has, needs) in [
@@ -157,7 +157,7 @@ fn check_limits(
         (
             "storage buffers in a kernel",
             limits.max_storage_buffers_per_shader_stage.into(),
-            model::BINDINGS.iter().map(storage_buffers).max().unwrap_or(0) as u64,
+            BINDINGS.iter().map(storage_buffers).max().unwrap_or(0) as u64,
         ),
         (
             "bytes in a uniform buffer",
@@ -174,10 +174,10 @@ fn check_limits(
     Ok(())
 }
 
-/// What wgpu has reported of a device, outside of the calls that caused it.
+/// Errors that wgpu has reported of a device, outside of the calls that caused them.
 #[derive(Default)]
 struct Faults {
-    /// Why the device was lost; that stays.
+    /// Why the device was lost. Once set, this stays.
     lost: Mutex<Option<String>>,
     /// The first other error since the last check; those that follow are its consequences.
     error: Mutex<Option<BackendError>>,
@@ -223,7 +223,7 @@ fn set_first<T>(place: &Mutex<Option<T>>, value: T) {
     lock(place).get_or_insert(value);
 }
 
-/// A panic elsewhere leaves nothing half done here.
+/// Locks, also after a panic elsewhere: it leaves nothing half done here.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

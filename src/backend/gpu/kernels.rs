@@ -8,7 +8,7 @@ use super::pacer::Pacer;
 use super::shader_source::{Kernel, Shader, Shape};
 use crate::backend::BackendError;
 
-/// A kernel as a device has it.
+/// A kernel, compiled for a device.
 pub(super) struct Compiled {
     kernel: Kernel,
     pub pipeline: wgpu::ComputePipeline,
@@ -23,7 +23,7 @@ pub(super) struct Kernels {
 }
 
 impl Kernels {
-    /// Compiles all of a shader's.
+    /// Compiles all kernels of a shader.
     pub fn new(
         context: &GpuContext,
         shader: &Shader,
@@ -79,7 +79,7 @@ impl Kernels {
         self.shape
     }
 
-    /// The layout of the bindings; a device takes those of other kernels for it that have the same bindings.
+    /// The layout of the bindings. A device accepts the layout of other kernels in its place if their bindings are the same.
     pub fn layout(&self) -> &wgpu::BindGroupLayout {
         &self.layout
     }

@@ -1,14 +1,14 @@
-//! What host and device share in memory whatever the model: the span of a dispatch, and what a model says of each of its
-//! buffers.
+//! Data that host and device share in memory in every model: the span of a dispatch, and the description of each buffer of a
+//! model.
 //!
-//! Owns how large a buffer is; what is in those of a model, its own layout tells.
+//! Owns the size of a buffer; the layout of each model tells the contents of its buffers.
 
 use bytemuck::{Pod, Zeroable};
 
 use crate::dynamics::{statistics, stroboscope};
 use crate::experiment::Settings;
 
-/// The binding of [`Span`], which every model has at the same place.
+/// The number of the binding of [`Span`]: it is the same in every model.
 pub(super) const SPAN: u32 = 1;
 
 /// The part of a slice that one dispatch carries out.
@@ -39,16 +39,16 @@ pub(super) enum Count {
     Periods,
     /// One for each instance.
     Instances,
-    /// So many for each instance.
+    /// As many for each instance as the function returns.
     OfInstance(fn(&Settings) -> usize),
 }
 
 /// A buffer that the kernels of a model are bound to.
 #[derive(Clone, Copy, Debug)]
 pub struct Binding {
-    /// Within group 0 of the shader.
+    /// Number of the binding within group 0 of the shader.
     pub number: u32,
-    /// The shader's name of it.
+    /// Name of the buffer in the shader.
     pub name: &'static str,
     pub access: Access,
     /// Bytes of an element.
@@ -68,12 +68,12 @@ impl Binding {
         }
     }
 
-    /// The least that a device may be asked to bind, in bytes.
+    /// Bytes of one element: a device must be able to bind at least as many.
     pub(super) fn element(&self) -> u64 {
         self.element as u64
     }
 
-    /// Bytes of one instance, where it has its own.
+    /// Bytes for one instance; 0 if instances have no elements of their own.
     pub(super) fn share(&self, settings: &Settings) -> u64 {
         let elements = match self.count {
             Count::One | Count::Periods => 0,
@@ -83,7 +83,7 @@ impl Binding {
         (elements * self.element) as u64
     }
 
-    /// Bytes for a batch of so many instances.
+    /// Bytes for a batch of `instances` instances.
     pub(super) fn size(&self, settings: &Settings, instances: usize) -> u64 {
         match self.count {
             Count::One => self.element(),
@@ -93,18 +93,23 @@ impl Binding {
         }
     }
 
-    /// Whether the host reads it: it is one of what kernels write and every instance has one of.
+    /// Whether the host reads the buffer: kernels write it, and it has one element for each instance.
     pub(super) fn is_read_back(&self) -> bool {
         self.access == Access::ReadWrite && matches!(self.count, Count::Instances)
     }
 }
 
-/// Elements of an instance's last stroboscopic states, each of them x and y.
+/// Number of last stroboscopic states that are kept of an instance; each is an element with x and y.
 pub(super) fn last_states(settings: &Settings) -> usize {
     stroboscope::most_states(settings.sampling.max_period) as usize
 }
 
-/// The weights of the Birkhoff average as a device takes them.
+/// Heat modes of an instance: `modes` and the lumped one.
+pub(super) fn slots(modes: u32) -> u32 {
+    modes + 1
+}
+
+/// The weights of the Birkhoff average in f32, as a device takes them.
 pub(super) fn birkhoff_weights(settings: &Settings) -> Vec<f32> {
     let weights = statistics::birkhoff_weights(settings.sampling.periods);
     weights.into_iter().map(|weight| weight as f32).collect()

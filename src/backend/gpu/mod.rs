@@ -1,4 +1,4 @@
-//! The GPU backend: a lane of a thread an instance, f32, in WGSL through wgpu.
+//! The GPU backend: one instance in each lane of a thread, in f32, in WGSL through wgpu.
 //!
 //! Owns the passage of batches through a device; the arithmetic is that of `shaders/`, whose files are twins of the
 //! model's and the algorithms' modules.
@@ -22,6 +22,9 @@ use self::batch::GpuBatch;
 use self::buffers::Buffers;
 use self::kernels::Kernels;
 use self::layout::Binding;
+use self::model::Model;
+use self::reduced::Reduced;
+use self::rubbed::Rubbed;
 use self::shader_source::Shader;
 use super::{Backend, BackendError, EndState, Instance, Slice, Sums, check_tangents};
 use crate::backend::BackendKind;
@@ -32,13 +35,38 @@ const HARDWARE_BATCH: u64 = 1 << 18;
 /// Instances that fill a CPU, few enough for a batch to end within seconds.
 const SOFTWARE_BATCH: u64 = 1 << 13;
 
-/// Bytes of the largest buffer of a batch: a small device holds it beside what else it does.
+/// Most bytes of the largest buffer of a batch: a small device then has memory left for its other work.
 const MOST_STATES: u64 = 1 << 29;
+
+/// The model of a batch of these instances.
+///
+/// # Errors
+/// If its kernels cannot do what the settings ask for.
+fn model_of(settings: &Settings, instances: &[Instance]) -> Result<Box<dyn Model>, BackendError> {
+    Ok(match settings.integration.scheme {
+        Scheme::Rk4 | Scheme::Taylor => Box::new(Reduced::new(settings)?),
+        Scheme::Radau => Box::new(Rubbed::new(settings, instances)?),
+    })
+}
+
+/// The buffers that the shader of each model binds.
+const BINDINGS: [&[Binding]; 2] = [&reduced::layout::BINDINGS, &rubbed::layout::BINDINGS];
+
+impl Shader {
+    /// The shader of a scheme.
+    pub fn of(scheme: Scheme) -> &'static Self {
+        match scheme {
+            Scheme::Rk4 => &reduced::shader_source::RK4,
+            Scheme::Taylor => &reduced::shader_source::TAYLOR,
+            Scheme::Radau => &rubbed::shader_source::RADAU,
+        }
+    }
+}
 
 /// Integrates on a GPU.
 pub struct GpuBackend {
     context: GpuContext,
-    /// Of each scheme those that were used last.
+    /// For each scheme, the kernels that were used last.
     kernels: [Option<Kernels>; Scheme::ALL.len()],
     batch: Option<GpuBatch>,
 }
@@ -56,7 +84,7 @@ impl GpuBackend {
         &self.context
     }
 
-    /// Most instances of a batch: the device limits the size of a buffer, of which each takes a `share` at most.
+    /// Most instances of a batch: the device limits the size of a buffer, and an instance takes at most `share` bytes of one.
     fn max_instances(&self, share: u64) -> u64 {
         let limits = self.context.device().limits();
         limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / share
@@ -84,10 +112,10 @@ impl GpuBackend {
     }
 }
 
-/// What a caller keeps to.
+/// The rule that callers must keep.
 const LOADED: &str = "a batch is loaded before it is advanced";
 
-/// Bytes of an instance in the buffer that has most of them.
+/// Bytes for one instance in the buffer that needs the most.
 fn largest_share(bindings: &[Binding], settings: &Settings) -> u64 {
     let shares = bindings.iter().map(|binding| binding.share(settings));
     shares.max().expect("a model binds something")
@@ -114,7 +142,7 @@ impl Backend for GpuBackend {
         } else {
             HARDWARE_BATCH
         };
-        // whatever the model, which the settings may leave to the points
+        // the size must suit every model, since the settings may leave the choice of the model to the points
         let largest = Settings {
             integration: Integration {
                 modes: MAX_MODES,
@@ -122,7 +150,7 @@ impl Backend for GpuBackend {
             },
             ..*settings
         };
-        let shares = model::BINDINGS.map(|bindings| largest_share(bindings, &largest));
+        let shares = BINDINGS.map(|bindings| largest_share(bindings, &largest));
         let share = shares.into_iter().max().expect("there are models");
         fills.min(self.max_instances(share)).min(MOST_STATES / share).max(1) as usize
     }
@@ -130,7 +158,7 @@ impl Backend for GpuBackend {
     fn load(&mut self, settings: &Settings, instances: &[Instance]) -> Result<(), BackendError> {
         check_tangents(instances)?;
         let scheme = settings.integration.scheme;
-        let model = model::of(settings, instances)?;
+        let model = model_of(settings, instances)?;
         let bindings = model.bindings();
         self.check_size(bindings, settings, instances)?;
         let shape = model.shape(self.context.lanes());
@@ -139,7 +167,7 @@ impl Backend for GpuBackend {
             Some(kernels) if kernels.shape() == shape => kernels,
             _ => place.insert(Kernels::new(&self.context, Shader::of(scheme), shape, bindings)?),
         };
-        // what does not hold the batch is freed before anything else is allocated
+        // buffers that do not fit the batch are freed before others are allocated
         let before = self.batch.take().map(GpuBatch::into_buffers);
         let buffers = match before.filter(|buffers| buffers.hold(bindings, settings, instances.len())) {
             Some(buffers) => buffers,

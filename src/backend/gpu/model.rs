@@ -1,57 +1,41 @@
-//! What differs between the models that a GPU carries on: [`Reduced`], of constant contact pressure, and [`Rubbed`], with
-//! frictional heat and wear.
+//! The differences between the two models on a GPU: [`Reduced`](super::reduced::Reduced), of constant contact pressure, and [`Rubbed`](super::rubbed::Rubbed), with frictional
+//! heat and wear.
 //!
-//! Owns the contract between a batch's one way through the device and its model. A model is the layout of its buffers, the
-//! shader of its scheme, and how what is in the buffers is written and read.
+//! Owns the contract between a model and a batch, whose handling is the same for both models. A model consists of the layout of
+//! its buffers, the shader of its scheme, and the code that writes and reads its buffers.
 
 use super::buffers::Buffers;
 use super::context::GpuContext;
 use super::layout::Binding;
 use super::pacer::Pace;
-use super::reduced::{self, Reduced};
-use super::rubbed::{self, Rubbed};
 use super::shader_source::{Kernel, Lanes, Shape};
 use crate::backend::{BackendError, EndState, Instance, Slice, Sums};
-use crate::experiment::{Scheme, Settings};
+use crate::experiment::Settings;
 
 /// The model of a batch.
 pub(super) trait Model: Send {
-    /// What group 0 of its shader binds.
+    /// The buffers that group 0 of its shader binds.
     fn bindings(&self) -> &'static [Binding];
 
-    /// What a thread carries, on an adapter that so many lanes suit.
+    /// The shape of a thread's data, on an adapter for which `lanes` is best.
     fn shape(&self, lanes: Lanes) -> Shape;
 
     fn pace(&self) -> Pace;
 
-    /// The kernel that carries on a slice of one period at least, and through how many of its periods; another one may have
-    /// to carry on the rest.
+    /// The kernel for the first periods of a slice, and the number of these periods. The slice has at least one period; another
+    /// kernel may be needed for the rest.
     fn kernel(&self, slice: &Slice) -> (Kernel, u32);
 
-    /// Writes a batch at the beginning of its run. The stroboscope's memory needs no clearing: it reads only what it has
-    /// written.
+    /// Writes a batch at the beginning of its run. The memory of stroboscopic states needs no clearing: kernels read only the
+    /// states that they have written.
     fn fill(&self, context: &GpuContext, buffers: &Buffers, settings: &Settings, instances: &[Instance]);
 
-    /// Writes what so many instances share of a run.
+    /// Writes the data of a run that all of its `instances` share.
     fn write_run(&self, context: &GpuContext, buffers: &Buffers, settings: &Settings, instances: usize);
 
-    /// The sums of the first `count` instances, which begin at zero again.
+    /// Reads the sums of the first `count` instances and sets them to zero.
     fn take_sums(&self, context: &GpuContext, buffers: &Buffers, count: usize) -> Result<Vec<Sums>, BackendError>;
 
-    /// What is left of the first `count` instances.
+    /// The end states of the first `count` instances.
     fn end_states(&self, context: &GpuContext, buffers: &Buffers, count: usize) -> Result<Vec<EndState>, BackendError>;
 }
-
-/// The model of a batch of these instances.
-///
-/// # Errors
-/// If its kernels cannot do what the settings ask for.
-pub(super) fn of(settings: &Settings, instances: &[Instance]) -> Result<Box<dyn Model>, BackendError> {
-    Ok(match settings.integration.scheme {
-        Scheme::Rk4 | Scheme::Taylor => Box::new(Reduced::new(settings)?),
-        Scheme::Radau => Box::new(Rubbed::new(settings, instances)?),
-    })
-}
-
-/// What the shader of each model binds.
-pub(super) const BINDINGS: [&[Binding]; 2] = [&reduced::layout::BINDINGS, &rubbed::layout::BINDINGS];

@@ -1,30 +1,30 @@
 //! How much of a slice one dispatch carries out.
 //!
-//! Owns the arithmetic that keeps dispatches short enough for drivers, which take a device that does not answer for
-//! about two seconds for hung, and long enough to be worth their overhead; what a dispatch is, the backend knows.
+//! Owns the arithmetic that keeps dispatches long enough to be worth their overhead, and short enough for drivers: they take a
+//! device for hung if it does not answer for about two seconds. The backend knows what a dispatch is.
 
 use std::time::Duration;
 
 use super::layout::Span;
 use crate::backend::Slice;
 
-/// What dispatches are sized to.
+/// Duration that a dispatch should have.
 const TARGET: Duration = Duration::from_millis(75);
 /// A dispatch that lasts longer makes the next ones shorter.
 const LONGEST: Duration = Duration::from_millis(100);
-/// Steps of the first dispatch, short on any device.
+/// Steps of the first dispatch: few enough for it to be short on any device.
 const FIRST_STEPS: u64 = 1 << 22;
-/// Most times longer that a dispatch is than one that was too short: a clock that rises, or a driver that compiles
-/// during the first dispatch, makes single timings doubtful.
+/// After a dispatch that was too short, the next one has at most this many times its steps: a clock that rises, or a driver that
+/// compiles during the first dispatch, makes single timings doubtful.
 const FASTEST_GROWTH: f64 = 8.0;
 
-/// What is known of a model's periods before any is dispatched.
+/// What is known of the cost of a model's periods before the first dispatch.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
     pub steps_per_period: u32,
     /// Most periods of a dispatch, however short they are.
     pub most_periods: u32,
-    /// Whether a step takes as long in the next batch.
+    /// Whether steps of the next batch take as long as those of this batch.
     pub is_lasting: bool,
 }
 
@@ -40,13 +40,13 @@ pub struct Load {
 }
 
 impl Load {
-    /// Steps of one workgroup over so many periods.
+    /// Steps of one workgroup over `periods` periods.
     fn workgroup_steps(&self, periods: u32) -> u64 {
         u64::from(self.workgroup_instances) * u64::from(self.pace.steps_per_period) * u64::from(periods)
     }
 }
 
-/// Learns from every dispatch how many steps the next may do.
+/// Learns from every dispatch how many steps the next one may have.
 #[derive(Clone, Debug)]
 pub struct Pacer {
     /// Steps, summed over instances.
@@ -60,10 +60,10 @@ impl Default for Pacer {
 }
 
 impl Pacer {
-    /// Carries a batch on by a slice in as many dispatches as that takes, each of which tells how long it took.
+    /// Advances a batch by a slice in as many dispatches as that takes; `dispatch` returns how long each of them took.
     ///
     /// # Errors
-    /// Those of `dispatch`, at the first.
+    /// The first error of `dispatch`.
     pub fn dispatch<E>(
         &mut self,
         load: &Load,
@@ -92,15 +92,15 @@ impl Pacer {
         Ok(())
     }
 
-    /// Periods that the whole batch is carried on by, of `left`: one at least, in as many dispatches as that takes.
+    /// By how many of the `left` periods the whole batch is advanced next: at least one, in as many dispatches as that takes.
     fn periods(&self, load: &Load, left: u32) -> u32 {
         let workgroups = load.instances.div_ceil(load.workgroup_instances);
         let periods = self.steps / (u64::from(workgroups.max(1)) * load.workgroup_steps(1));
         periods.clamp(1, left.into()) as u32
     }
 
-    /// Instances that the next dispatch carries on by `periods`, of `left`: whole workgroups, and ranges of nearly
-    /// equal size, since a small last one would leave the device idle.
+    /// How many of the `left` instances the next dispatch advances by `periods`. They are whole workgroups. All dispatches get
+    /// nearly equal numbers of them, since a small last one would leave the device idle.
     fn instances(&self, load: &Load, periods: u32, left: u32) -> u32 {
         let most = (self.steps / load.workgroup_steps(periods)).clamp(1, load.max_workgroups.into()) as u32;
         let workgroups = left.div_ceil(load.workgroup_instances);
@@ -108,14 +108,14 @@ impl Pacer {
         (workgroups.div_ceil(ranges) * load.workgroup_instances).min(left)
     }
 
-    /// Learns that a dispatch of so many periods of so many instances took `elapsed`.
+    /// Learns that a dispatch of `instances` instances over `periods` periods took `elapsed`.
     fn record(&mut self, load: &Load, periods: u32, instances: u32, elapsed: Duration) {
         let steps = f64::from(periods) * f64::from(instances) * f64::from(load.pace.steps_per_period);
         let factor = TARGET.as_secs_f64() / elapsed.as_secs_f64().max(1e-9);
         if elapsed > LONGEST {
             self.steps = (steps * factor) as u64;
         } else {
-            // a dispatch that was short for want of work does not lower what is known to be possible
+            // a dispatch that was short because there was little work does not lower the number of steps
             self.steps = self.steps.max((steps * factor.min(FASTEST_GROWTH)) as u64);
         }
     }
@@ -137,7 +137,7 @@ mod tests {
         max_workgroups: 65535,
     };
 
-    /// Carries a batch on; returns each dispatch's size and duration on a device with so many seconds a step.
+    /// Advances a batch; returns the size and the duration of each dispatch on a device that takes `seconds_a_step`.
     fn run(pacer: &mut Pacer, load: &Load, periods: u32, seconds_a_step: f64) -> Vec<(u32, u32, f64)> {
         let mut dispatches = Vec::new();
         let (mut done, mut first_instance) = (0, 0);

@@ -1,13 +1,12 @@
 //! Shaders as they are compiled: files put together in one text, and the constants taken from the host.
 //!
-//! Owns how a text and its constants come about; which files a shader is made of, each model tells. Knows nothing of devices.
+//! Owns how a text and its constants are made; each model tells which files its shader consists of. Knows nothing of devices.
 
 use std::fmt::Write as _;
 
-use super::{reduced, rubbed};
-use crate::experiment::Scheme;
+use super::layout;
 
-/// Name, below `shaders/`, and text of a file.
+/// Name of a file, as a path below `shaders/`, and its text.
 pub type SourceFile = (&'static str, &'static str);
 
 /// The files of these names, below `shaders/`.
@@ -18,7 +17,7 @@ macro_rules! source_files {
 }
 pub(super) use source_files;
 
-/// Instances that a thread carries at once, each in a lane of the numbers that it computes with.
+/// How many instances a thread carries at once: each is in one lane of the vectors that the thread computes with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lanes {
     One,
@@ -28,12 +27,12 @@ pub enum Lanes {
 impl Lanes {
     pub const ALL: [Self; 2] = [Self::One, Self::Two];
 
-    /// What suits an adapter.
+    /// The number of lanes that suits an adapter.
     ///
-    /// Hardware hides how long a thread's operations take behind other threads, and would only run out of registers with
-    /// more instances in each. A program that plays a GPU has no other threads to turn to: with two lanes llvmpipe is 1.4
-    /// times as fast in `taylor` and 1.5 times in `rk4`. With four, `taylor` spills where it carries vectors, and kernels take
-    /// two to four times as long to compile as with one.
+    /// Hardware hides the latency of a thread's operations behind other threads. With more instances in a thread it would only
+    /// run out of registers. A program that acts as a GPU has no other threads for this: with two lanes, llvmpipe is 1.4 times
+    /// as fast in `taylor` and 1.5 times in `rk4`. With four lanes, `taylor` spills registers where it carries tangent vectors,
+    /// and kernels take two to four times as long to compile as with one.
     pub fn suiting(is_software: bool) -> Self {
         if is_software { Self::Two } else { Self::One }
     }
@@ -45,7 +44,7 @@ impl Lanes {
         }
     }
 
-    /// The types and functions that the other files are written in.
+    /// The file of the types and functions that the other files are written in.
     pub fn file(self) -> SourceFile {
         let [file] = match self {
             Self::One => source_files!("shared/one_lane.wgsl"),
@@ -55,7 +54,8 @@ impl Lanes {
     }
 }
 
-/// What a thread carries: lengths of arrays in a shader, which no `override` constant can be, and of loops in it.
+/// Sizes of a thread's data: the lengths of arrays in a shader, and of loops over them. No `override` constant can be the length
+/// of such an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shape {
     pub lanes: Lanes,
@@ -63,7 +63,7 @@ pub struct Shape {
     pub modes: Option<u32>,
 }
 
-/// Heat modes over which loops are written out, at most, the lumped one among them.
+/// Loops over heat modes are unrolled if there are no more modes than this, with the lumped one.
 const MOST_WRITTEN_OUT: u32 = 33;
 
 /// A kernel of a shader.
@@ -82,14 +82,14 @@ pub enum Kernel {
 pub(super) struct EntryPoint {
     pub kernel: Kernel,
     pub name: &'static str,
-    /// The constant by which kernels of one name differ, and its value.
+    /// The constant by which kernels with the same name differ, and its value.
     pub switch: (&'static str, bool),
 }
 
 /// The shader of a scheme.
 #[derive(Clone, Copy, Debug)]
 pub struct Shader {
-    /// All but that of the lanes, which comes first.
+    /// All files except that of the lanes, which comes first.
     pub files: &'static [SourceFile],
     pub(super) entry_points: &'static [EntryPoint],
     /// The `override` constants that all of its kernels share, so that each is defined in one place.
@@ -97,17 +97,9 @@ pub struct Shader {
 }
 
 impl Shader {
-    pub fn of(scheme: Scheme) -> &'static Self {
-        match scheme {
-            Scheme::Rk4 => &reduced::shader_source::RK4,
-            Scheme::Taylor => &reduced::shader_source::TAYLOR,
-            Scheme::Radau => &rubbed::shader_source::RADAU,
-        }
-    }
-
     /// The files in one text, for threads of this shape.
     pub fn source(&self, shape: Shape) -> String {
-        let slots = shape.modes.map(rubbed::layout::slots);
+        let slots = shape.modes.map(layout::slots);
         let header = slots.map_or_else(String::new, |slots| format!("const HEAT_MODES: u32 = {slots}u;\n"));
         let files = std::iter::once(shape.lanes.file()).chain(self.files.iter().copied());
         let text = files.fold(header, |text, (_, file)| text + file + "\n");
@@ -125,7 +117,7 @@ impl Shader {
     /// The name of a kernel.
     ///
     /// # Panics
-    /// As the next function, if the shader has no such kernel.
+    /// If the shader has no such kernel; so does [`Shader::constants`].
     pub fn entry_point(&self, kernel: Kernel) -> &'static str {
         self.find(kernel).name
     }
@@ -147,8 +139,8 @@ impl Shader {
     }
 }
 
-/// Writes the loops of `variable` from 0 to `end`, which is `count`, out: drivers do not do so themselves, and keep what is
-/// indexed by a variable in memory instead of registers.
+/// Unrolls the loops of `variable` from 0 to `end`, a constant of the value `count`. Drivers do not unroll them, and keep an
+/// array that is indexed by a variable in memory instead of registers.
 fn write_out(text: &str, variable: &str, end: &str, count: u32) -> String {
     let start = format!("for (var {variable} = 0u; {variable} < {end}; {variable}++) {{\n");
     let mut out = String::new();

@@ -1,4 +1,4 @@
-//! What is taken from an accepted step: its end as the new state, and what it shows of extremes and of contact.
+//! The results of an accepted step: the new state, the extremes, and changes of contact.
 //!
 //! Owns the peaks and times of an instance's contact. Twin: `shaders/dynamics/adaptive/accepted.wgsl`.
 
@@ -10,22 +10,23 @@ use crate::dynamics::matrix::at_nodes;
 use crate::dynamics::radau::{self, Drive, Heat, Memory, ModeStep, Start, Trial};
 use crate::lanes::{Mask, Real};
 
-/// Parts that the surface temperature within a step may be off by, where it is not computed anew.
+/// Relative error that is allowed for in the interpolated surface temperature within a step. If the temperature may still be a
+/// new maximum, it is computed from the heat modes.
 pub const ROUGH: f64 = 2e-3;
 
-/// What an instance's run has shown of its contact.
+/// The peaks of an instance's run so far, and when it lost contact.
 #[derive(Clone, Copy, Debug)]
 pub struct Peaks<R> {
     pub pressure: R,
-    /// When: completed periods, and tau since.
+    /// Time of the greatest pressure: completed periods, and tau since then.
     pub pressure_time: [R; 2],
     pub temperature: R,
-    /// When contact was first lost; periods are negative while it has not been.
+    /// Time at which contact was first lost, in the same form. The number of periods is negative as long as there is contact.
     pub lost: [R; 2],
 }
 
 impl<R: Real> Peaks<R> {
-    /// Before anything has happened.
+    /// The peaks at the start of a run.
     pub fn start(orbit: &Orbit<R>) -> Self {
         let zero = R::splat(0.0);
         Self {
@@ -38,7 +39,7 @@ impl<R: Real> Peaks<R> {
 }
 
 impl<R: Real> Orbit<R> {
-    /// Takes the end of a trial as the new state where it is accepted.
+    /// Takes the end of a trial as the new state, in the lanes that accept it.
     #[allow(clippy::too_many_arguments, reason = "the parts of one pass")]
     #[inline(always)]
     pub(super) fn accept(
@@ -84,7 +85,8 @@ impl<R: Real> Orbit<R> {
         self.sin = R::select(accepted, sin + (cos * sine - sin * versine), sin);
         self.cos = R::select(accepted, cos - (sin * sine + cos * versine), cos);
 
-        // contact changes where its signal has come down to zero
+        // contact changes where this signal has fallen below zero: p in contact; in the gap, minus the pressure that there would
+        // be in contact
         let (zero, one, half) = (R::splat(0.0), R::splat(1.0), R::splat(0.5));
         let gap = self.contact.less(half);
         let signal = R::select(gap, -trial.if_closed[2], trial.pressure[2]);
@@ -102,8 +104,8 @@ impl<R: Real> Orbit<R> {
         self.piece = R::select(changes, self.piece_of(&system.rubbing), self.piece);
     }
 
-    /// Takes note of what a step shows of the pressure and of the surface temperature, whose heat flux has the
-    /// coefficients `flux` and which ends with `heat`.
+    /// Updates the peaks of the pressure and of the surface temperature from a step. Its heat flux has the coefficients `flux`,
+    /// and `heat` is the heat at its end.
     #[allow(clippy::too_many_arguments, reason = "the parts of one pass")]
     #[inline(always)]
     fn peaks_of(
@@ -130,7 +132,7 @@ impl<R: Real> Orbit<R> {
                 R::select(higher, time[1], peaks.pressure_time[1]),
             ];
         }
-        // within the step the temperature is known roughly: it is computed anew where it may be the greatest
+        // within the step the temperature is known only roughly: if it may be a new maximum, it is computed from the modes
         let rough = Cubic::new(start.heat.falloff, trial.falloff(&system.rubbing, start, h, heat));
         let to_beat = peaks.temperature / system.surface_temperature * R::splat(1.0 - ROUGH);
         if !rough.stays_below(R::select(accepted, to_beat, far)).all() {
@@ -140,7 +142,8 @@ impl<R: Real> Orbit<R> {
         }
     }
 
-    /// The surface temperature's sum w_m r_m q_m after a part of a step, whose heat flux has the coefficients `flux`.
+    /// The sum w_m r_m q_m, to which the surface temperature is proportional, after a part of a step. `flux` holds the
+    /// coefficients of the step's heat flux.
     #[inline(always)]
     fn falloff_within(&self, system: &System<R>, flux: [R; 3], part: R, h: R) -> R {
         let h = part * h;
@@ -165,7 +168,7 @@ pub(super) fn advanced<R: Real>(step: &ModeStep<R>, mode: R, flux: [R; 3]) -> R 
     )
 }
 
-/// A record raised to the greatest value of a cubic in lanes that are accepted.
+/// In accepted lanes, the larger of a record and the greatest value of a cubic; in the others, the record.
 #[inline(always)]
 fn raised<R: Real>(record: R, cubic: &Cubic<R>, accepted: R::Mask) -> R {
     if cubic.stays_below(R::select(accepted, record, R::splat(FAR))).all() {
@@ -183,7 +186,7 @@ mod tests {
     use crate::model::thermal_modes::ThermalModes;
     use crate::parameters::Parameter;
 
-    /// Of a heat flux that is a parabola of time, by quadrature of what each mode is the integral of.
+    /// The heat flux is a parabola of time. The expected temperature is the quadrature of each mode's integral.
     #[test]
     fn the_temperature_within_a_step_is_that_of_the_heat_so_far() {
         let set = Preset::Paper.parameters();

@@ -11,15 +11,15 @@ use crate::dynamics::radau::{NODES, Start, Trial};
 use crate::lanes::{Mask, Real};
 use crate::model::rubbing::{NO_LAYER, Rubbing};
 
-/// How far beyond a boundary of the friction layer a step is cut, in units of [`Control::reach`]. The cut aims at a reach
-/// beyond, and a lane on its way out has come to the next piece from a reach before the boundary on: between these it may
-/// turn without chatter.
+/// A step is cut if it ends farther than this beyond a boundary of the friction layer, in units of [`Control::reach`]. The cut
+/// step aims at one reach beyond the boundary. A lane on its way out passes to the next piece as soon as it is less than one
+/// reach before the boundary. Between these limits v may turn back without switching to and fro.
 pub const CUT: f64 = 4.0;
 
-/// Part of the layer's half-width that is tried first in it.
+/// The first step on a piece inside the layer aims at this part of the layer's half-width.
 pub const FIRST_PART: f64 = 0.3;
 
-/// Stands for infinity: bounds of a sliding velocity that meets no boundary.
+/// Stands for infinity: the bound of a sliding velocity that meets no boundary.
 pub(super) const FAR: f64 = 1e30;
 
 impl<R: Real> Orbit<R> {
@@ -31,8 +31,8 @@ impl<R: Real> Orbit<R> {
             + R::select(rubbing.epsilon_0.less(self.v), one, zero)
     }
 
-    /// Whether the trial stays on its piece of the friction law and in its state of contact; else the part of it that
-    /// does.
+    /// The part of the trial that stays on its piece of the friction law and in its state of contact, and whether this is the
+    /// whole trial.
     #[inline(always)]
     pub(super) fn cut(
         &self,
@@ -48,7 +48,8 @@ impl<R: Real> Orbit<R> {
         let fallen = at_nodes!(i => -trial.v[i]);
         let (below, stays_above) = stays(-start.v, fallen, margin - low, reach - low);
 
-        // p in contact, and minus what it would be in the gap: falls below 0 where contact changes
+        // a signal that rises above 0 where contact changes: -p in contact; in the gap, the pressure that there would be in
+        // contact
         let gap = self.contact.less(R::splat(0.5));
         let before = R::select(gap, self.fit + self.heat.pressure, -start.pressure);
         let signals = at_nodes!(i => R::select(gap, trial.if_closed[i], -trial.pressure[i]));
@@ -57,7 +58,7 @@ impl<R: Real> Orbit<R> {
         (above.min(below).min(lasting), stays_below.and(stays_above).and(lasts))
     }
 
-    /// The piece of the friction law that v is on; in the gap, and without dry friction, there is none.
+    /// The boundaries of the piece of the friction law that v is on. In the gap, and without dry friction, there are none.
     #[inline(always)]
     fn bounds(&self, rubbing: &Rubbing<R>) -> [R; 2] {
         let (half, far) = (R::splat(0.5), R::splat(FAR));
@@ -74,7 +75,8 @@ impl<R: Real> Orbit<R> {
         ]
     }
 
-    /// Moves a lane to the piece that it has reached; returns the factor for its next step, 0 where it has not moved.
+    /// Moves a lane to the next piece if it has reached it. Returns the factor for the length of its next step, 0 if it has not
+    /// moved.
     #[inline(always)]
     pub(super) fn switch(
         &mut self,
@@ -93,17 +95,18 @@ impl<R: Real> Orbit<R> {
             return zero;
         }
         self.piece = R::select(up, self.piece + one, R::select(down, self.piece - one, self.piece));
-        // in the layer, a part of the way across its half; leaving it, what limited the step is gone
+        // in the layer, the next step aims at a part of the half-width; outside, the layer no longer limits the step
         let inside = (self.piece - R::splat(1.5)).abs().less(one);
-        // v' through the last two nodes is good enough for the length of a step
+        // v' from the last two nodes is accurate enough to choose the length of a step
         let slid = (trial.v[2] - trial.v[1]).abs().max(R::splat(1e-20)) * R::splat(1.0 / (1.0 - NODES[1]));
         let entering = (R::splat(FIRST_PART) * rubbing.epsilon_0 / slid).min(R::splat(64.0));
         R::select(moved, R::select(inside, entering, R::splat(4.0)), zero)
     }
 }
 
-/// Whether what has the value `start` at a step's start and `values` at its nodes stays below `allowed`, between the nodes as well;
-/// else the part of the step after which it comes to `aim`.
+/// Whether a quantity stays below `allowed` during a step, also between the nodes. `start` is its value at the step's start,
+/// `values` are those at the nodes. The first result is 1 if it stays, else the part of the step after which the quantity reaches
+/// `aim`.
 #[inline(always)]
 fn stays<R: Real>(start: R, values: [R; 3], allowed: R, aim: R) -> (R, R::Mask) {
     let (zero, one) = (R::splat(0.0), R::splat(1.0));
@@ -115,7 +118,7 @@ fn stays<R: Real>(start: R, values: [R; 3], allowed: R, aim: R) -> (R, R::Mask) 
     let [first, second, last] = at_nodes!(i => values[i].less(allowed));
     let (highest, top) = cubic.maximum();
     let stays = surely.or(first.and(second).and(last).and(highest.less(allowed)));
-    // the first node beyond, or the turn between the nodes, and the node before it
+    // `to` is the first node beyond, or the maximum between the nodes; `from` is the node before it, or the start
     let [c1, c2] = [NODES[0], NODES[1]].map(R::splat);
     let from = R::select(first, R::select(second, R::select(last, zero, c2), c1), zero);
     let to = R::select(first, R::select(second, R::select(last, top, one), c2), c1);
@@ -123,7 +126,7 @@ fn stays<R: Real>(start: R, values: [R; 3], allowed: R, aim: R) -> (R, R::Mask) 
     (R::select(stays, one, crossing), stays)
 }
 
-/// How far below zero a pressure counts as zero: p is a difference of numbers of the size of the worn depth.
+/// A pressure that is below zero by no more than this counts as zero: p is a difference of numbers as large as the worn depth.
 #[inline(always)]
 fn contact_tolerance<R: Real>(fit: R) -> R {
     let unit = if single::<R>() { 4e-6 } else { 1e-6 };

@@ -10,6 +10,7 @@
 
 use std::f64::consts::TAU;
 
+use super::orbit::FIRST_PART_OF_PERIOD;
 use super::{Control, Orbit, PRESSURE_BOUND, Peaks, Scratch, System, Tangent};
 use crate::dynamics::decay::single;
 use crate::dynamics::matrix::at_nodes;
@@ -21,20 +22,17 @@ use crate::model::rubbing::Rubbing;
 /// Shortest step, in ticks.
 pub const SHORTEST_STEP: u32 = 2;
 
-/// The first step of a run, as a part of the period.
-pub const FIRST_PART_OF_PERIOD: f64 = 1.0 / 4096.0;
-
-/// The error of the pressure is relative down to this pressure, and absolute below: what grows from near 0 by its own heat,
-/// as with a ramp, keeps its relative errors.
+/// The error of the pressure is relative above this pressure, and absolute below it. The value is small because a pressure that
+/// grows from near 0 by its own heat, as with a ramp, keeps its relative error.
 pub const PRESSURE_FLOOR: f64 = 1e-2;
 
 /// The error of v is relative above this speed.
 pub const LARGE_SPEED: f64 = 20.0;
 
-/// A trial is tried again where its error calls for a step of this part of it or less.
+/// A trial is repeated if its error calls for a step of at most this part of its length.
 pub const REJECTED: f64 = 0.9;
 
-/// Part of the step with just the tolerated error that is tried next.
+/// The next step is this part of the step that would have just the tolerated error.
 pub const SAFETY: f64 = 0.8;
 
 impl<R: Real> Orbit<R> {
@@ -52,7 +50,7 @@ impl<R: Real> Orbit<R> {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let left = R::from_ticks(self.left);
         let running = R::splat(0.5).less(left);
-        // lanes that wait for others try something harmless
+        // lanes that wait for others try a short step, which is not accepted
         let ticks = R::from_ticks(self.step.to_ticks().least(self.left));
         let ticks = R::select(running, ticks, R::splat(FIRST_PART_OF_PERIOD * R::PERIOD_TICKS));
         let h = ticks * system.tick;
@@ -74,7 +72,7 @@ impl<R: Real> Orbit<R> {
         });
         let trial = radau::solve(rubbing, &start, &drive, &memory, guess, control.newton);
 
-        // what the trial calls for: a part of itself, if it is to be tried again
+        // factors for the next step: `longer` after an accepted trial, by its error; `again` if this trial is to be repeated
         let growth = self.growth(rubbing, control, &start, &trial, h);
         let (shorter, stays) = self.cut(rubbing, control, &start, &trial);
         let accepted = stays.and(trial.converged).and(R::splat(REJECTED).less(growth));
@@ -85,7 +83,7 @@ impl<R: Real> Orbit<R> {
             R::select(shorter.less(one), shorter, longer).min(R::splat(0.9)),
             R::splat(0.25),
         );
-        // whatever has converged guesses the next; what has not is forgotten
+        // a trial that has converged gives the guess for the next one, even if it is not accepted; any other is forgotten
         let parabola = radau::parabola(trial.acceleration);
         let inverse_h = one / h;
         self.guess = [
@@ -114,7 +112,7 @@ impl<R: Real> Orbit<R> {
         self.left = self.left.minus(R::select(accepted, ticks, zero).to_ticks());
 
         let moved = self.switch(rubbing, control, &start, &trial);
-        // a step cut short by the end of the period says nothing of the next one
+        // the length of a step that the end of the period has cut short says nothing about the next one
         let free = R::select(ticks.less(self.step), self.step, ticks * longer);
         let next = R::select(
             accepted,
@@ -128,8 +126,8 @@ impl<R: Real> Orbit<R> {
         self.give_up(system, running, [start.x, start.shaft_speed - start.v], ticks);
     }
 
-    /// Shaft speed and fit over a step of `h`: growth since its start, at the nodes. Growth, not values, so that f32
-    /// keeps the digits of v. With sine and 1 - cosine of what the drive's phase grows by.
+    /// The changes of the shaft speed and of the fit from the start of a step of length `h` to its nodes. Changes, not values, so
+    /// that f32 keeps the digits of v. Also the sine and 1 - cosine of the angle by which the drive's phase advances.
     #[inline(always)]
     fn drive(&self, system: &System<R>, ticks: R, h: R, elapsed: R) -> (Drive<R>, [R; 2]) {
         let mut drive = Drive {
@@ -150,30 +148,31 @@ impl<R: Real> Orbit<R> {
         (drive, turns[2])
     }
 
-    /// The factor by which a trial would be longer if its error were just the tolerance.
+    /// The length that a trial with just the tolerated error would have, over the length of this trial.
     #[inline(always)]
     fn growth(&self, rubbing: &Rubbing<R>, control: &Control<R>, start: &Start<R>, trial: &Trial<R>, h: R) -> R {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
-        // the quadratics extrapolated to the start miss the values there; a stiff motion forgets the error
+        // the error estimate is the amount by which the quadratics, extrapolated to the start, miss the values there; stiff
+        // motion damps this error
         let weight = h * R::splat(ERROR_WEIGHT);
         let rate =
             (rubbing.epsilon * start.pressure).mul_add(rubbing.friction_slope(&start.piece, self.v), rubbing.damping);
         let forgets = weight.mul_add(rate.max(zero), one);
         let inside = (self.piece - R::splat(1.5)).abs().less(one);
-        // what runs away is as exact as it is large
+        // at large speeds, as in a runaway, the error of v is relative
         let large = (self.v.abs() * R::splat(1.0 / LARGE_SPEED)).max(one);
         let scale = R::select(inside, rubbing.layer, large);
         let pressure = start.pressure.abs() + R::splat(PRESSURE_FLOOR);
         let motion = (start.acceleration - radau::parabola(trial.acceleration)[0]).abs() * pressure;
         let heat = (start.flux - radau::parabola(trial.flux)[0]).abs() * rubbing.two_gamma * scale;
         let allowed = control.tolerance * forgets * pressure * scale;
-        // the estimate is of order 3: its error grows with the fourth power of the step
+        // the embedded formula is of order 3: its error grows with the fourth power of the step
         let error = (motion.max(heat) * weight).max(R::splat(1e-12) * allowed);
         (allowed / error).sqrt().sqrt()
     }
 
-    /// The longest step, in tau, that shows the slower of the two rates of the linearised motion: about by_x/by_y where it is
-    /// overdamped, and else the root of by_x.
+    /// The longest step, in tau, that resolves the slower of the two rates of the linearised motion. With stiffness k and damping
+    /// d, this rate is about k/d if the motion is overdamped, and else the square root of k.
     #[inline(always)]
     fn swing_step(&self, rubbing: &Rubbing<R>, control: &Control<R>) -> R {
         let stiffness = rubbing.stiffness(self.x).abs();
@@ -186,12 +185,12 @@ impl<R: Real> Orbit<R> {
         control.swing * slower / stiffness.max(R::splat(1e-6))
     }
 
-    /// Gives up lanes whose step has become too short or whose state is no longer a number of this world. The last step was
-    /// of `ticks` from the state (x, y) `before`.
+    /// Gives up lanes whose step has become too short, and lanes whose state has run away or is NaN. The last step had the length
+    /// `ticks` and started from the state (x, y) `before`.
     #[inline(always)]
     fn give_up(&mut self, system: &System<R>, running: R::Mask, before: [R; 2], ticks: R) {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
-        // written so that NaN is given up
+        // written so that a lane with NaN is given up
         let size = self.x.abs() + self.y(system).abs();
         let bounded = self.heat.pressure.abs().less(R::splat(PRESSURE_BOUND));
         let bounded = bounded.and(size.less(R::splat(RUNAWAY_BOUND)));

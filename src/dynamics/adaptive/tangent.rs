@@ -15,14 +15,15 @@ use crate::lanes::{Mask, Real};
 pub struct Tangent<R> {
     pub at: Perturbation<R>,
     pub modes: Vec<R>,
-    /// Logarithm of what its length was divided by since it was last normalised.
+    /// Logarithm of the product of all norms by which it was divided since the last call of [`Tangent::normalise`].
     log: R,
-    /// Divergence of the flow of (x, y) at constant pressure, integrated over tau since it was last taken.
+    /// Divergence of the flow of (x, y) at constant pressure, integrated over tau since the last call of
+    /// [`Tangent::take_divergence`].
     divergence: R,
 }
 
 impl<R: Real> Tangent<R> {
-    /// The vector (X, Y), with the rest 0.
+    /// The vector with the components (X, Y) and all others 0.
     pub fn start(vector: Vector<R>, modes: usize) -> Self {
         let zero = R::splat(0.0);
         let heat = Heat {
@@ -44,7 +45,7 @@ impl<R: Real> Tangent<R> {
         }
     }
 
-    /// Its part (X, Y).
+    /// Its components (X, Y).
     pub fn in_plane(&self) -> Vector<R> {
         Vector {
             x: self.at.x,
@@ -57,9 +58,9 @@ impl<R: Real> Tangent<R> {
         std::mem::replace(&mut self.divergence, R::splat(0.0))
     }
 
-    /// Divides the vector by its norm and returns the logarithm of its growth since the last call. Where there is wear, the
-    /// norm is that of (X, Y). Elsewhere it is that of (X, Y) and the heat modes, these in units of the pressure that they
-    /// make (none where they feed nothing back).
+    /// Divides the vector by its norm and returns the logarithm of its growth since the last call. With wear, the norm is that of
+    /// (X, Y). Without wear, it is that of (X, Y) and the heat modes together. Each mode counts with the pressure that it causes,
+    /// which is 0 if gamma is 0.
     #[inline(always)]
     pub fn normalise(&mut self, system: &System<R>) -> R {
         let norm = self.norm(system);
@@ -67,8 +68,7 @@ impl<R: Real> Tangent<R> {
         std::mem::replace(&mut self.log, R::splat(0.0))
     }
 
-    /// Divides the vector by its norm in lanes of which `left` is not 0 and whose norm is far from 1, before it leaves the
-    /// numbers.
+    /// Divides the vector by its norm before it overflows or vanishes: in lanes with a norm far from 1 and `left` not 0.
     #[inline(always)]
     pub(super) fn settle(&mut self, system: &System<R>, left: R) {
         let one = R::splat(1.0);

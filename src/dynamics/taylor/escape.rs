@@ -1,21 +1,22 @@
 //! When an orbit runs away, by the Taylor scheme in f64.
 //!
-//! Owns the search within a step; whether an orbit runs away is told by whoever asks.
+//! Owns the search within a step; the caller knows whether an orbit runs away.
 
 use super::{COEFFICIENTS, Flow, Step, most_passes, step, unit_of_time};
 use crate::lanes::LONG_PERIOD_TICKS;
 use crate::model::motion::RUNAWAY_BOUND;
 use crate::parameters::{Parameter, ParameterSet};
 
-/// Steps are shorter than those for exponents by this factor: an orbit that runs away may swing a thousand times before, and what
-/// the energy misses in each swing adds up.
+/// Steps are shorter than those for exponents by this factor: an orbit may swing a thousand times before it runs away, and the
+/// errors of its energy in all swings add up.
 const SHORTER: f64 = 0.4;
 
-/// A fast swing reaches the bound at the tip of its speed, which a step may have passed at its end: so many parts of it are looked at.
+/// A fast swing reaches the bound at its greatest speed, and at the end of a step it may be slower again. So a step is checked at
+/// this number of points.
 const LOOKS: u32 = 8;
 
-/// The time in tau from a state (x, y) to where |x| + |y| first reaches [`RUNAWAY_BOUND`], within so many forcing periods; None if
-/// it does not, or if the scheme gives the orbit up before.
+/// The time in tau from a state (x, y) until |x| + |y| first reaches [`RUNAWAY_BOUND`]. None if it does not within `periods`
+/// forcing periods, or if the scheme gives the orbit up before.
 pub fn escape_time(parameters: &ParameterSet, [x, y]: [f64; 2], steps_per_period: u32, periods: u32) -> Option<f64> {
     let unit = unit_of_time(parameters[Parameter::Omega0]);
     let mut flow = Flow::<f64>::of(parameters, steps_per_period);
@@ -64,7 +65,7 @@ mod tests {
 
     #[test]
     fn a_linear_orbit_runs_away_when_its_exponential_says() {
-        // x'' = x from x = y: exp(tau), the sum of both is 2 exp(tau)
+        // x'' = x from x = y = 0.1: both are 0.1 exp(tau), their sum is 0.2 exp(tau)
         let set = ParameterSet::default()
             .with(Parameter::B, 0.0)
             .with(Parameter::Epsilon, 0.0);

@@ -1,17 +1,17 @@
 //! The growth of tangent vectors over a forcing period.
 //!
-//! Owns how the second vector stays apart from the first, and the logarithms of both; steps nothing. Twin:
+//! Owns how the second vector is kept apart from the first, and the logarithms of both; takes no steps. Twin:
 //! `shaders/dynamics/taylor/growth.wgsl`.
 //!
-//! Of the second vector only the area matters that it spans with the first. From time to time it is replaced by the
-//! vector across the first that spans the area 1, and the area it had spanned goes into a product: no root, no logarithm,
-//! and the sum of the exponents comes from the vectors alone, for the mean divergence to be held against.
+//! Only the area matters that the second vector spans with the first. From time to time the second vector is replaced by the one
+//! perpendicular to the first that spans the area 1, and the old area is multiplied into a product. This needs no root and no
+//! logarithm. The sum of the exponents then comes from the vectors alone, so that it can be compared with the mean divergence.
 
 use crate::dynamics::tangent::{COMFORTABLE, SMALLEST_SQUARE, Vector};
 use crate::lanes::{Mask, Real};
 
-/// Steps between two renewals of the second vector: few enough for it to keep half of f32's digits in the layer, where it
-/// turns towards the first fastest. As often it is seen to that no length leaves the numbers.
+/// Steps between two renewals of the second vector. They are few enough for it to keep half of f32's digits in the layer, where
+/// it turns towards the first fastest. Lengths are checked for overflow and underflow as often.
 pub const RENEWAL_STEPS: u32 = 8;
 
 #[inline(always)]
@@ -21,8 +21,8 @@ fn is_comfortable<R: Real>(value: R) -> R::Mask {
         .and(value.less(R::splat(COMFORTABLE)))
 }
 
-/// By what to divide a length, or an area, that is not comfortable, in lanes that go on; by 1 in others, and where it is 0 or
-/// no number.
+/// The divisor for a length, or an area, that is not between 1/[`COMFORTABLE`] and [`COMFORTABLE`]. It is 1 in lanes whose period
+/// is over, and where the value is 0, infinite or NaN.
 fn divisor<R: Real>(value: R, left: R) -> R {
     let one = R::splat(1.0);
     let is_number = R::splat(0.0).less(value).and(value.less(R::splat(LARGEST)));
@@ -31,14 +31,15 @@ fn divisor<R: Real>(value: R, left: R) -> R {
     R::select(is_comfortable(value), one, divided)
 }
 
-/// Less than the largest f32.
+/// Lengths and areas above this count as infinite. It is less than the largest f32.
 pub(super) const LARGEST: f64 = 1e38;
 
-/// A tangent vector within a forcing period, with its speed in units of time; it began at length 1 in units of tau.
+/// A tangent vector within a forcing period. Its speed is measured per unit of time of the instance; at the period's start it had
+/// the length 1 with speeds per unit of tau.
 #[derive(Clone, Copy, Debug)]
 pub struct Carried<R> {
     pub vector: Vector<R>,
-    /// Logarithm of what its length was divided by on the way.
+    /// Logarithm of the product of all divisors of its length in this period.
     log: R,
 }
 
@@ -51,8 +52,9 @@ impl<R: Real> Carried<R> {
         }
     }
 
-    /// Brings the vector to a length of about 1 where it is far from it, in lanes of which `left` is not 0: those at their
-    /// period's end must not feel how many steps their neighbours still take. An area that it spans stays the same.
+    /// Brings the vector to a length of about 1 if its length is far from 1, in lanes whose `left` is not 0. In lanes at their
+    /// period's end the result must not depend on the number of steps that other lanes still take. The area that the vector spans
+    /// with the second one stays the same.
     #[inline(always)]
     pub fn settle(&mut self, area: Option<&mut Area<R>>, left: R) {
         let length = self.vector.x.abs() + self.vector.y.abs();
@@ -69,7 +71,7 @@ impl<R: Real> Carried<R> {
         }
     }
 
-    /// Divides by `length`, where that is called for; it becomes what was divided by.
+    /// Divides the vector by `length` where this is necessary. On return, `length` is the divisor that was used.
     #[cold]
     #[inline(never)]
     fn divide(&mut self, length: &mut R, left: R) {
@@ -82,13 +84,13 @@ impl<R: Real> Carried<R> {
         self.log = self.log + length.ln();
     }
 
-    /// Ends the period: the vector at length 1 in units of tau, and the logarithm of its growth. The inverse of the unit of
-    /// time is given.
+    /// Ends the period: the vector at length 1, with its speed per unit of tau, and the logarithm of its growth. `inverse_unit`
+    /// is the inverse of the unit of time.
     #[inline(always)]
     pub fn close(&self, inverse_unit: R) -> (Vector<R>, R) {
         let y = self.vector.y * inverse_unit;
         let square = self.vector.x.mul_add(self.vector.x, y * y);
-        // a vector of length 0 stays one, and what has overflowed shows
+        // a vector of length 0 stays 0, and an overflow remains visible as infinity or NaN
         let smallest = R::splat(SMALLEST_SQUARE);
         let square = R::select(square.less(smallest), smallest, square);
         let inverse = R::splat(1.0) / square.sqrt();
@@ -100,17 +102,17 @@ impl<R: Real> Carried<R> {
     }
 }
 
-/// The second vector, and the area that both have spanned since the period began.
+/// The second vector, and the product of the areas that both have spanned at its renewals since the period began.
 #[derive(Clone, Copy, Debug)]
 pub struct Area<R> {
     pub second: Vector<R>,
     product: R,
-    /// Logarithm of what the product was divided by on the way.
+    /// Logarithm of the product of all divisors of `product` in this period.
     log: R,
 }
 
 impl<R: Real> Area<R> {
-    /// With a second vector that spans the area 1 with the first.
+    /// The area at a period's start: the second vector spans the area 1 with the first.
     #[inline(always)]
     pub fn new(first: Vector<R>) -> Self {
         Self {
@@ -120,7 +122,7 @@ impl<R: Real> Area<R> {
         }
     }
 
-    /// Replaces the second vector, in lanes of which `left` is not 0, as [`Carried::settle`] does its work.
+    /// Replaces the second vector in lanes whose `left` is not 0, for the same reason as in [`Carried::settle`].
     #[inline(always)]
     pub fn renew(&mut self, first: Vector<R>, left: R) {
         let goes_on = R::splat(0.0).less(left);
@@ -146,7 +148,7 @@ impl<R: Real> Area<R> {
         self.log = self.log + divisor.ln();
     }
 
-    /// The logarithm of the area that the vectors span at the period's end, over that at its beginning.
+    /// The logarithm of the ratio of the areas that the vectors span at the period's end and at its beginning.
     #[inline(always)]
     pub fn close(&self, first: Vector<R>) -> R {
         let area = self.product * spanned(first, self.second);
@@ -161,7 +163,7 @@ fn spanned<R: Real>(first: Vector<R>, second: Vector<R>) -> R {
     first.x.mul_add(second.y, -(first.y * second.x))
 }
 
-/// The vector across `first` that spans the area 1 with it.
+/// The vector perpendicular to `first` that spans the area 1 with it.
 #[inline(always)]
 fn across<R: Real>(first: Vector<R>) -> Vector<R> {
     let square = first.x.mul_add(first.x, first.y * first.y);

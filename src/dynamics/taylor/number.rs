@@ -1,7 +1,7 @@
-//! What the recurrences ask of a number.
+//! The operations that the recurrences need from a number type.
 //!
-//! Owns the least arithmetic that serves scalars, lanes, dual numbers and the text of a shader alike; has no comparison,
-//! for a text cannot compare.
+//! Owns the least arithmetic that serves scalars, lanes, dual numbers and the text of a shader alike; has no comparison, because
+//! numbers in a text have no value yet.
 
 use std::ops::{Add, Mul, Neg, Sub};
 

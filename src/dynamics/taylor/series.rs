@@ -2,14 +2,15 @@
 //!
 //! Owns the recurrences, written once for scalars, lanes and the shader's text; chooses no step and finds no event.
 //!
-//! Time is measured in units U of [`UNITS_PER_PERIOD`] a forcing period, so that the drive's series has the same
-//! coefficients for every omega_0. With w = U y, and all speeds times U, the motion on a piece is
+//! The unit of time is U, the forcing period over [`UNITS_PER_PERIOD`], so that the drive's series has the same coefficients for
+//! every omega_0. With w = U y, and all speeds multiplied by U, the motion on a piece is
 //!
 //! ```text
 //! x' = w,   w' = U^2 (x - b x^3) + a_0 + a_1 v + a_2 v^2 + c v^3 - U eps h1 w,   v = U omega_k + U zeta_k sin z - w
 //! ```
 //!
-//! whose coefficients follow from each other by convolutions: with q = v v, k = U^2 (1 - b x x), u = a_1 + a_2 v + c q,
+//! The coefficients of its series follow from each other by convolutions. With q = v v, k = U^2 (1 - b x x) and
+//! u = a_1 + a_2 v + c q they are
 //!
 //! ```text
 //! (n+1) w[n+1] = (k x)[n] + (u v)[n] - U eps h1 w[n] + a_0 [n = 0],   (n+1) x[n+1] = w[n]
@@ -24,7 +25,7 @@ use crate::lanes::Real;
 /// Units of time in a forcing period.
 pub const UNITS_PER_PERIOD: u32 = 32;
 
-/// What the motion's series is made of at the start of a step; speeds are in units of 1/U.
+/// The numbers at the start of a step from which the series of the motion is made; speeds are in units of 1/U.
 #[derive(Clone, Copy, Debug)]
 pub struct Local<T> {
     /// U^2.
@@ -58,8 +59,8 @@ pub struct Series<T, const L: usize> {
     pub by_w: [T; L],
 }
 
-/// Calls a method for every order below `L - 1`. The order is a constant in each call, so that every loop over
-/// coefficients is straight text for the compiler, and coefficients live in registers.
+/// Calls a method for every order below `L - 1`. The order is a constant in each call, so that the compiler unrolls every loop
+/// over coefficients and keeps them in registers.
 macro_rules! for_orders {
     ($L:ident, $target:ident.$method:ident $arguments:tt) => {
         for_orders!($L, $target.$method $arguments, 0 1 2 3 4 5 6 7 8 9 10 11);
@@ -117,8 +118,8 @@ impl<T: Number, const L: usize> Series<T, L> {
 
     /// Order N + 1 of the state, order N of the rest; N = 0 is [`Series::begin`]'s.
     ///
-    /// v[N] is known last and enters linearly, with the factor -by_w[0] (that of -U eps h1 w[N] among it, as w is the
-    /// drive less v): all else is summed up before, so that an order waits for two operations of the order before.
+    /// v[N] is known last and enters linearly, with the factor -by_w[0]. This includes the factor of -U eps h1 w[N], as w is the
+    /// drive less v. All other terms are summed up before, so that an order waits for only two operations of the order before.
     #[inline(always)]
     fn extend<const N: usize>(&mut self, local: &Local<T>, factors: &mut Factors<T, L>) {
         if N == 0 {
@@ -147,7 +148,7 @@ impl<T: Number, const L: usize> Series<T, L> {
         }
         let force = force.add(-self.by_w[0], v).total();
         self.by_x[N] = T::constant(3.0) * stiffness[N];
-        // a term of order n of F is (n + 1) times that of F v
+        // dF/dv = d(u v)/dv = 3 u - a_2 v - 2 a_1, and a_1 is in order 0 only
         self.by_w[N] = T::constant(-3.0).fused(friction[N], local.a_2 * v);
         *drive = drive_term(local, N + 1);
         let inverse = 1.0 / (N as f64 + 1.0);
@@ -206,8 +207,8 @@ impl<T: Number, const L: usize> Series<T, L> {
     }
 }
 
-/// Vectors whose series are made side by side. Of one, operations wait for each other; the coefficients of three no longer
-/// find room near the registers.
+/// Number of vectors whose series are computed side by side. With one, operations wait for each other; with three, the
+/// coefficients no longer fit close to the registers.
 const VECTORS_AT_ONCE: usize = 2;
 
 impl<R: Real> Local<R> {
@@ -241,7 +242,7 @@ impl<R: Real> Vector<R> {
 }
 
 impl<R: Real, const L: usize> Series<R, L> {
-    /// [`Series::new`], of many vectors half by half.
+    /// [`Series::new`]; if there are many vectors, first for one half of them and then for the other.
     #[inline(always)]
     pub fn of(local: &Local<R>) -> Self {
         if R::VECTORS <= VECTORS_AT_ONCE {
@@ -258,7 +259,7 @@ impl<R: Real, const L: usize> Series<R, L> {
         }
     }
 
-    /// [`Series::vector_at`], of many vectors half by half.
+    /// [`Series::vector_at`]; if there are many vectors, first for one half of them and then for the other.
     #[inline(always)]
     pub fn carried(&self, start: Vector<R>, s: R) -> Vector<R> {
         if R::VECTORS <= VECTORS_AT_ONCE {
@@ -284,7 +285,7 @@ impl<R: Real, const L: usize> Series<R, L> {
     }
 }
 
-/// Half of every coefficient.
+/// Every coefficient in one half of the lanes.
 #[inline(always)]
 fn half<R: Real, const L: usize>(a: &[R; L], index: usize) -> [R::Half; L] {
     let mut halves = [a[0].half(index); L];
@@ -304,14 +305,14 @@ fn join<R: Real, const L: usize>(first: &[R::Half; L], second: &[R::Half; L]) ->
     whole
 }
 
-/// Series that the motion's is made of, besides itself.
+/// Auxiliary series from which the series of the motion is computed.
 struct Factors<T, const L: usize> {
     /// k and u of the module's equations.
     stiffness: [T; L],
     friction: [T; L],
     /// d u[N]/d v[N], the same for every N above 0.
     friction_by_v: T,
-    /// The last term of U zeta_k sin z.
+    /// The latest term of the series of U zeta_k sin z.
     drive: T,
 }
 
@@ -350,10 +351,10 @@ fn drive_term<T: Number>(local: &Local<T>, n: usize) -> T {
     }
 }
 
-/// sin z and cos z times any factor, s units of time on.
+/// sin z and cos z, both times any factor, after s more units of time.
 #[inline(always)]
 pub fn rotated<T: Number>(sin: T, cos: T, s: T) -> (T, T) {
-    // orders 1 to 9 of sin, and of 1 - cos, which is small, so that the sums below are rounded only once
+    // orders 1 to 9 of sin and of 1 - cos; the latter is small, so that the sums below are rounded only once
     let mut terms = [T::constant(0.0); 10];
     let mut factor = -1.0;
     for (n, term) in terms.iter_mut().enumerate().skip(1) {
@@ -372,9 +373,10 @@ pub fn rotated<T: Number>(sin: T, cos: T, s: T) -> (T, T) {
     )
 }
 
-/// A sum of products as it grows; none yet, or some.
+/// A growing sum of products; None as long as it has no term.
 ///
-/// The order N of a product of two series a and b is its inner part, without a[N] and b[N], and its outer part.
+/// The term of order N of a product of two series a and b has two parts: the outer part is the products with a[N] and b[N], the
+/// inner part is all others.
 struct Sum<T>(Option<T>);
 
 impl<T: Number> Sum<T> {
@@ -411,7 +413,7 @@ impl<T: Number> Sum<T> {
     }
 }
 
-/// Order N of the square of a series but for its terms with a[N]; none for N below 2.
+/// The term of order N of the square of a series, without the products with a[N]; None for N below 2.
 #[inline(always)]
 fn inner_square<T: Number, const L: usize, const N: usize>(a: &[T; L]) -> Sum<T> {
     let mut half = Sum(None);
@@ -426,8 +428,8 @@ fn inner_square<T: Number, const L: usize, const N: usize>(a: &[T; L]) -> Sum<T>
     }
 }
 
-/// The polynomial at s: its even and its odd part by Horner's rule in s^2, so that half as many operations wait for each
-/// other as in one rule for the whole.
+/// The polynomial at s. Horner's rule in s^2 gives its even and its odd part; so only half as many operations wait for each other
+/// as in Horner's rule for the whole.
 #[inline(always)]
 fn polynomial<T: Number, const L: usize>(a: &[T; L], s: T) -> T {
     let square = s * s;
@@ -436,7 +438,7 @@ fn polynomial<T: Number, const L: usize>(a: &[T; L], s: T) -> T {
     odd.fused(s, even)
 }
 
-/// Every second coefficient, down from that of order `top`, as a polynomial in the square.
+/// The polynomial in s^2, given as `square`, whose coefficients are every second one of `a`, from order `top` down.
 #[inline(always)]
 fn every_second<T: Number, const L: usize>(a: &[T; L], top: usize, square: T) -> T {
     let mut value = a[top];

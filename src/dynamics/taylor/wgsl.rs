@@ -1,7 +1,7 @@
 //! The series as a shader's text.
 //!
-//! Owns the number type whose operations print `let` bindings, and the text that the recurrences become when they are run
-//! with it; `shaders/generated/taylor.wgsl` is a checked-in copy. Computes no number.
+//! Owns the number type whose operations print `let` bindings, and the text that the recurrences print with it;
+//! `shaders/generated/taylor.wgsl` is a checked-in copy. Computes no number.
 
 use std::cell::RefCell;
 use std::f64::consts::PI;
@@ -63,13 +63,13 @@ impl<'a> Symbol<'a> {
 
     fn text(self) -> String {
         match self {
-            // Debug writes a decimal point always
+            // Debug always writes a decimal point
             Self::Constant(value) => format!("{value:?}"),
             Self::Name(body, index) => body.names.borrow()[index].clone(),
         }
     }
 
-    /// The text as an argument of a function, which asks that all of them have a thread's number of lanes.
+    /// The text as an argument of a function. All arguments must have the number of lanes of a thread.
     fn argument(self) -> String {
         match self {
             Self::Constant(_) => format!("Real({})", self.text()),
@@ -77,7 +77,7 @@ impl<'a> Symbol<'a> {
         }
     }
 
-    /// Prints the operation, or does it, where all is constant.
+    /// Prints the operation; computes it instead if all operands are constants.
     fn operation(operands: &[Self], text: &str, constant: impl Fn(&[f64]) -> f64) -> Self {
         if let Some(body) = operands.iter().find_map(|operand| operand.body()) {
             return body.bind(text);
@@ -143,7 +143,7 @@ const LOCAL_FIELDS: [&str; 12] = [
     "v",
 ];
 
-/// Names and numbers of coefficients of a series' parts.
+/// The parts of a series: name and number of coefficients.
 const SERIES_PARTS: [(&str, usize); 5] = [
     ("x", COEFFICIENTS),
     ("w", COEFFICIENTS),
@@ -168,7 +168,7 @@ fn part<'a, 'b>(series: &'b SymbolSeries<'a>, name: &str) -> &'b [Symbol<'a>] {
     }
 }
 
-/// The series that a function of the text is given as its argument.
+/// The series that a function in the text has as its argument.
 fn given(body: &Body) -> SymbolSeries<'_> {
     let coefficients = |name: &str| std::array::from_fn(|n| body.named(&format!("series.{name}_{n}")));
     Series {
@@ -205,7 +205,7 @@ fn constants() -> String {
         ("TICKS_PER_UNIT", ticks_per_unit::<f32>()),
         ("SMALLEST_SLOPE_SQUARE", SMALLEST_SLOPE_SQUARE),
         ("MAX_PASSES", MAX_PASSES.into()),
-        // periods in pi, given the unit of time
+        // times the unit of time, this is the forcing period in units of pi
         ("LONG_PER_UNIT", f64::from(series::UNITS_PER_PERIOD) / PI),
         ("COMFORTABLE", COMFORTABLE),
         ("LARGEST_LENGTH", LARGEST),
@@ -245,7 +245,7 @@ fn series_new() -> String {
     )
 }
 
-/// A function of a series and of s.
+/// The text of a function of a series and of s.
 fn evaluation<'a>(body: &'a Body, name: &str, value: impl Fn(&SymbolSeries<'a>, Symbol<'a>) -> Symbol<'a>) -> String {
     let result = value(&given(body), body.named("s")).text();
     format!(

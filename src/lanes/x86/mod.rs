@@ -1,8 +1,8 @@
 //! The instruction sets of x86-64 that lanes are compiled for, as proofs that the machine has them.
 //!
-//! Owns detection, and the functions below which the vectors are used; computes nothing. Who carries work out over lanes
-//! meets the vectors as the type parameter of [`OverLanes`], below such a function, and keeps what is made of them as
-//! [`Held`](super::Held), which lets nothing out but below one.
+//! Owns detection, and the functions that are compiled for the instruction sets; computes nothing. Vectors are used only inside
+//! such a function. Code that works over lanes gets them as the type parameter of [`OverLanes`], and stores what it makes of
+//! them as [`Held`](super::Held), which gives access to it only inside such a function.
 
 mod vectors;
 
@@ -13,14 +13,14 @@ use super::{Instructions, Real};
 pub(crate) trait OverLanes {
     type Output;
 
-    /// Carries it out in vectors `V` of the instructions `I`.
+    /// Carries the work out in vectors `V` of the instructions `I`.
     fn carry_out<I: Instructions, V: Real + Send + Sync + 'static>(self, instructions: I) -> Self::Output;
 }
 
 /// A local variable as long as a cache line, and aligned to one.
 ///
-/// The compiler aligns a function's stack for variables, but not for vectors that it puts aside because registers run out:
-/// without such a variable most of these straddle two cache lines, and every access to them takes twice as long.
+/// The compiler aligns a function's stack for variables, but not for vectors that it spills because registers run out. Without
+/// such a variable most spilled vectors straddle two cache lines, and every access to them takes twice as long.
 #[repr(align(64))]
 struct CacheLine([u8; 64]);
 
@@ -31,7 +31,7 @@ macro_rules! x86_instructions {
         pub(crate) struct $name(());
 
         impl $name {
-            /// None if the machine does not have them.
+            /// None if the machine does not have these instructions.
             pub fn detect() -> Option<Self> {
                 let is_there = $(is_x86_feature_detected!($feature))&&*;
                 is_there.then_some(Self(()))
@@ -57,7 +57,7 @@ macro_rules! x86_instructions {
                     std::hint::black_box(&line.0);
                     work(value)
                 }
-                // SAFETY: `self` is only made where the machine was found to have them.
+                // SAFETY: `self` exists only if the machine was found to have these instructions.
                 unsafe { enabled(value, work) }
             }
         }

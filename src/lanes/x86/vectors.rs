@@ -1,21 +1,21 @@
 //! Vectors of x86-64: AVX2 with FMA, and AVX-512.
 //!
-//! Owns the intrinsics. The module's rule: a value of one of these types is made and used only below a function whose
-//! `target_feature` enables the instruction set, entered after it was detected at run time. That is why only the proofs of
-//! the module above name the types.
+//! Owns the intrinsics. The module's rule: a value of one of these types is made and used only inside a function whose
+//! `target_feature` enables the instruction set, and which is called only after the set was detected at run time. That is why
+//! only the proofs of the parent module name the types.
 
 use std::arch::asm;
-#[expect(clippy::wildcard_imports, reason = "the names of intrinsics tell whose they are")]
+#[expect(clippy::wildcard_imports, reason = "the names of intrinsics show their origin")]
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::lanes::{LONG_PERIOD_TICKS, Mask, ROUNDING, Real, SHORT_PERIOD_TICKS, Ticks};
 
-/// Bits of which only the sign's is 1.
+/// A number whose sign bit is its only bit that is 1.
 const SIGN_F64: f64 = -0.0;
 const SIGN_F32: f32 = -0.0;
 
-/// A part of a tick: clocks hold whole ones.
+/// A clock below this is at 0: clocks hold whole ticks.
 const HALF_TICK: f64 = 0.5;
 
 macro_rules! x86_vector {
@@ -40,7 +40,7 @@ macro_rules! x86_vector {
 
         // AVX-512 masks are plain integers, whose operations are safe
         #[allow(unused_unsafe)]
-        #[allow(clippy::cast_lossless, reason = "bits are of another type in every instruction set")]
+        #[allow(clippy::cast_lossless, reason = "the bits' type depends on the instruction set")]
         impl Mask for $mask {
             const LANES: usize = $lanes;
 
@@ -72,7 +72,7 @@ macro_rules! x86_vector {
             }
         }
 
-        /// No instruction, but one that the compiler takes for changing both registers.
+        /// Executes nothing, but the compiler must assume that it changes both registers.
         #[target_feature(enable = $feature)]
         #[inline]
         fn $tie(a: &mut $register, b: &mut $register) {

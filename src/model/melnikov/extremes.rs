@@ -6,10 +6,10 @@ use std::f64::consts::TAU;
 
 use super::Melnikov;
 
-/// Samples of M over a period. M has kinks where w touches zero, so that its extremes are looked for by sampling and then by
-/// golden sections, which need no derivative.
+/// Samples of M over a period. M has kinks where w touches zero. So its extremes are found by sampling and then by golden
+/// sections, which need no derivative.
 const SAMPLES: usize = 128;
-/// Samples for a first look, and how far M must keep from zero, relatively to its extent, for that to be enough.
+/// Samples for a first check, and the least distance of M from zero, relative to its range, at which this check is enough.
 const COARSE_SAMPLES: usize = 48;
 const MARGIN: f64 = 0.05;
 /// Sampled extremes that are refined; M has few within a period.
@@ -63,12 +63,12 @@ impl Melnikov {
                 return true;
             }
         }
-        // far from zero a finer look finds nothing else
+        // far from zero, finer samples would find nothing else
         let is_far = least.abs().min(greatest.abs()) > MARGIN * (greatest - least);
         !is_far && self.extremes().change_sign()
     }
 
-    /// The extreme near `at` of `sign * M`.
+    /// The maximum of `sign * M` near `at`: its place and its value.
     pub(super) fn peak_near(&self, at: f64, sign: f64) -> (f64, f64) {
         let step = 2.0 * self.period() / SAMPLES as f64;
         golden(&|t| sign * self.closed_form(t), at - step, at + step)

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 /// I_jkl = Int_0^inf y0^j sin^k(omega_0 t) cos^l(omega_0 t) dt along the homoclinic orbit of x'' = x - b x^3.
 ///
-/// I112, I130 and I310 stand in for the paper's longer forms, which are misprinted.
+/// The formulas of I112, I130 and I310 replace the paper's longer ones, which are misprinted.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs, reason = "a field's name holds its j, k and l")]
 pub struct Integrals {
@@ -23,7 +23,7 @@ pub struct Integrals {
 }
 
 impl Integrals {
-    /// `omega_0` and `b` positive. Quotients by hyperbolic functions go to 0 for large omega_0, as they should.
+    /// `omega_0` and `b` must be positive. Quotients by hyperbolic functions go to 0 for large omega_0, as they should.
     pub fn new(omega_0: f64, b: f64) -> Self {
         let w = PI * omega_0;
         let square = omega_0 * omega_0;

@@ -1,10 +1,11 @@
 //! Mel'nikov's function of the reduced system (contact pressure p = 1), equations (4.1) to (4.4) and (A.1).
 //!
-//! Owns the function in two independent forms, its extremes over a drive period, its sign and where that begins or ceases to
-//! change; draws no curves and runs no scans over grids. To first order in epsilon M(tau0) is the distance between the stable
-//! and the unstable manifold of the saddle at rest, with the paper's sign: epsilon M is the energy of the stable one less that
-//! of the unstable one, so that M is minus the usual integral of y0 (F - h1 y0). Where it changes sign they cross, and chaos
-//! may occur.
+//! Owns the function in two independent forms, its extremes over a drive period, whether it changes sign, and where it begins or
+//! ceases to do so; draws no curves and runs no scans over grids.
+//!
+//! To first order in epsilon, M(tau0) is the distance between the stable and the unstable manifold of the saddle at rest. Its
+//! sign is the paper's: epsilon M is the energy of the stable manifold less that of the unstable one, so that M is minus the
+//! usual integral of y0 (F - h1 y0). Where M changes sign, the manifolds cross, and chaos may occur.
 
 mod extremes;
 mod integrals;
@@ -58,7 +59,7 @@ impl Melnikov {
     /// # Errors
     /// [`MelnikovError::NoHomoclinicOrbit`] unless b > 0, [`MelnikovError::Rubbed`] if there is frictional heat or wear.
     pub fn new(parameters: &ParameterSet) -> Result<Self, MelnikovError> {
-        if parameters.is_rubbed() {
+        if parameters.has_heat_or_wear() {
             return Err(MelnikovError::Rubbed);
         }
         let b = parameters[Parameter::B];
@@ -91,7 +92,7 @@ impl Melnikov {
         self.dry_part(tau_0) + self.smooth_part(tau_0)
     }
 
-    /// I(tau0) of (4.3): 2 F0 sum of sgn(w'(t_m)) x0(t_m) over the roots of w; where w only touches zero nothing changes.
+    /// I(tau0) of (4.3): 2 F0 sum of sgn(w'(t_m)) x0(t_m) over the roots of w; a point where w only touches zero adds nothing.
     fn dry_part(&self, tau_0: f64) -> f64 {
         if self.f_0 == 0.0 {
             return 0.0;
@@ -104,7 +105,7 @@ impl Melnikov {
         2.0 * self.f_0 * sum
     }
 
-    /// M less dry friction's part: polynomials of the half-line integrals.
+    /// M without the part of dry friction, from the half-line integrals.
     fn smooth_part(&self, tau_0: f64) -> f64 {
         let (s, c) = (self.omega_0 * tau_0).sin_cos();
         let i = &self.integrals;
@@ -132,7 +133,8 @@ impl Melnikov {
         self.omega_k + self.zeta_k * (self.omega_0 * (t + tau_0)).sin() - self.orbit_speed(t)
     }
 
-    /// w and w', with x0'' = x0 - b x0^3; hyperbolic functions from one exponential, since this is where the time goes.
+    /// w and w', with x0'' = x0 - b x0^3; the hyperbolic functions come from one exponential, because most of the computing time
+    /// is spent here.
     fn sliding_and_rate(&self, t: f64, tau_0: f64) -> [f64; 2] {
         let (sin, cos) = (self.omega_0 * (t + tau_0)).sin_cos();
         let decay = (-t.abs()).exp();
@@ -162,9 +164,9 @@ pub enum MelnikovError {
     NotAParameter { name: &'static str, known: String },
 }
 
-/// Whether M depends on a coordinate: a parameter of its own, or a machine's quantity that moves one.
+/// Whether M depends on a coordinate: one of [`PARAMETERS`], or a quantity of a machine that changes one of them.
 pub fn depends(at: &Fixed, coordinate: Coordinate) -> bool {
-    // a contact length that the machine does not have moves nothing
+    // a contact length that the machine does not have changes nothing
     let is_there = match (coordinate, at.machine()) {
         (Coordinate::Si(quantity), Some(machine)) => machine.quantities().any(|own| own == quantity),
         _ => true,
@@ -186,7 +188,7 @@ pub fn check_depends(at: &Fixed, coordinate: Coordinate) -> Result<(), MelnikovE
     })
 }
 
-/// The names of what M depends on: parameters or, where there is a machine, its quantities.
+/// The names of the parameters that M depends on; if there is a machine, of its quantities.
 pub fn known(at: &Fixed) -> String {
     let names: Vec<&str> = match at.machine() {
         None => PARAMETERS.map(Parameter::name).to_vec(),

@@ -8,8 +8,8 @@ use gauss_quad::legendre::GaussLegendre;
 
 use super::{END, Melnikov};
 
-/// Intervals are halved until two halves agree with the whole to this, or are this narrow; so a jump of the integrand costs
-/// no more than that.
+/// An interval is halved until its two halves agree with the whole to `TOLERANCE`, or until it is narrower than `NARROWEST`. So a
+/// jump of the integrand costs no more accuracy than this width.
 const TOLERANCE: f64 = 1e-13;
 const NARROWEST: f64 = 1e-12;
 
@@ -26,7 +26,7 @@ impl Melnikov {
             -y * (self.f_0 * sign + w * (self.beta * w * w - self.alpha) - self.h1 * y)
         };
         let rubs_forward = |t: f64| self.sliding(t, tau_0) >= 0.0;
-        // short enough for a rule to see every swing of the drive, and of the orbit
+        // intervals short enough for the rule to resolve every swing of the drive, and of the orbit
         let count = (2.0 * END * (4.0 * self.omega_0).max(8.0)).ceil() as u32;
         let bound = |k: u32| END * (2.0 * f64::from(k) / f64::from(count) - 1.0);
         (0..count)
@@ -43,8 +43,8 @@ impl Melnikov {
     }
 }
 
-/// The integral over an interval, on `whole` of which the rule gave so much. A jump close to an end lies outside all of the
-/// rule's nodes, and is known by the direction of rubbing at the ends.
+/// The integral over an interval, for which the rule gave the value `whole`. A jump close to an end may lie outside all nodes of
+/// the rule; it is found by the direction of sliding at the ends and in the middle.
 fn halved(f: &impl Fn(f64) -> f64, forward: &impl Fn(f64) -> bool, [low, high]: [f64; 2], whole: f64) -> f64 {
     let middle = 0.5 * (low + high);
     let left = RULE.integrate(low, middle, f);

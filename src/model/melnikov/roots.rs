@@ -1,18 +1,18 @@
 //! Every sign change of the sliding velocity along the homoclinic orbit.
 //!
-//! Owns their isolation and refinement; does not know what they are for.
+//! Owns their isolation and refinement; does not know their use.
 //!
-//! An interval is discarded where a Lipschitz bound excludes a root, searched where the derivative's Lipschitz bound makes
-//! the function monotone on it, and halved else. So no pair of roots is overlooked, however close to a tangential one, and
-//! near a tangential root the number of intervals kept at each size stays bounded.
+//! An interval is discarded if a Lipschitz bound excludes a root. It is searched if the Lipschitz bound of the derivative proves
+//! that the function is monotone on it. Else it is halved. So no pair of roots is missed, however close its two roots are. Near a
+//! tangential root the number of intervals kept at each size stays bounded.
 
 use super::{END, Melnikov};
 
-/// Intervals are not halved below this: whatever sign change is left within is taken at its middle.
+/// Intervals are not halved below this width. A sign change that is left in one is taken near its middle.
 const NARROWEST: f64 = 1e-13;
 
 /// Bounds of |y0'| and |y0''| along the homoclinic orbit with amplitude 1: sech t |1 - 2 sech^2 t| and
-/// sech t |tanh t| |1 - 6 sech^2 t|; the latter is greatest, 1.53, near t = 0.5.
+/// sech t |tanh t| |1 - 6 sech^2 t|; the latter has its maximum, 1.53, near t = 0.5.
 const GREATEST_ACCELERATION: f64 = 1.0;
 const GREATEST_JERK: f64 = 1.6;
 
@@ -25,7 +25,7 @@ pub fn for_each_crossing(function: &Melnikov, tau_0: f64, found: &mut impl FnMut
         slope_bound: drive + GREATEST_ACCELERATION * function.amplitude,
         curvature_bound: drive * function.omega_0 + GREATEST_JERK * function.amplitude,
     };
-    // intervals of a quarter of the drive's swing, or of the orbit's where the drive is slow
+    // intervals of a quarter of the drive's period, or of the orbit's swing if the drive is slow
     let count = (2.0 * END * (function.omega_0 / 1.5).max(2.0)).ceil() as u32;
     let bound = |k: u32| END * (2.0 * f64::from(k) / f64::from(count) - 1.0);
     let mut low = Point::new(&search, bound(0));
@@ -63,7 +63,7 @@ impl Point {
 }
 
 impl Search<'_> {
-    /// `found` is called for the crossings between two points.
+    /// Calls `found` for the crossings between two points.
     fn within(&self, low: Point, high: Point, found: &mut impl FnMut(f64, bool)) {
         let width = high.t - low.t;
         let changes = low.is_up() != high.is_up();
@@ -84,7 +84,7 @@ impl Search<'_> {
         self.within(middle, high, found);
     }
 
-    /// The one root between two points of different sign: Newton's steps, halving where one leaves the bracket.
+    /// The one root between two points of different sign: by Newton's method, with bisection where a step leaves the bracket.
     fn refined(&self, mut low: Point, mut high: Point) -> f64 {
         let mut t = 0.5 * (low.t + high.t);
         for _ in 0..100 {
@@ -95,7 +95,7 @@ impl Search<'_> {
                 high = point;
             }
             let newton = t - point.value / point.rate;
-            // written so that NaN halves
+            // written so that NaN leads to bisection
             let next = if newton > low.t && newton < high.t {
                 newton
             } else {

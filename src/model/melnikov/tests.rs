@@ -94,8 +94,8 @@ fn closed_form_and_quadrature_agree() {
     }
 }
 
-/// With |omega_k| < zeta_k the shaft itself reverses for ever and w has roots at all times; with |omega_k| = zeta_k they
-/// become tangential as the orbit comes to rest.
+/// If |omega_k| < zeta_k, the shaft itself keeps reversing, and w has roots at all times. If |omega_k| = zeta_k, the roots become
+/// tangential as the orbit comes to rest.
 #[test]
 fn roots_for_ever_and_tangential_ones_are_counted_rightly() {
     for (omega_k, zeta_k) in [
@@ -127,7 +127,7 @@ fn roots_for_ever_and_tangential_ones_are_counted_rightly() {
     assert!(crossings.iter().all(|&(t, _)| m.sliding(t, 0.3).abs() < 1e-12));
 }
 
-/// w with a pair of roots that is as narrow as wanted: found down to rounding, and none where w only just misses zero.
+/// w has two roots that are as close as wanted. They are found down to rounding, and no root is found if w only just misses zero.
 #[test]
 fn narrow_pairs_of_roots_are_not_overlooked() {
     // without drive w = omega_k - y0; y0 is greatest, 1/2 for amplitude 1, at sinh t = -1
@@ -238,7 +238,7 @@ fn thresholds_in_other_parameters_meet_those_in_zeta_k() {
     }
 }
 
-/// Where a range has one threshold at most, the function at its ends tells both sides.
+/// If a range has at most one threshold, the function at its ends shows both sides.
 #[test]
 fn what_is_said_of_the_sides_of_a_threshold_is_what_the_function_does_there() {
     let at = point(&[(Parameter::ZetaK, 3.6933), (Parameter::H1, 0.0)]);
@@ -262,7 +262,7 @@ fn what_is_said_of_the_sides_of_a_threshold_is_what_the_function_does_there() {
     assert_eq!(kinds.len(), 4);
 }
 
-/// Every quantity of a machine that moves what M depends on has the threshold of its parameters.
+/// Every quantity of a machine that changes a parameter of M has a threshold where these parameters have one.
 #[test]
 fn thresholds_in_quantities_of_a_machine_are_those_of_its_parameters() {
     let description = Description::from_toml(machine::TEMPLATE).unwrap();
@@ -276,7 +276,7 @@ fn thresholds_in_quantities_of_a_machine_are_those_of_its_parameters() {
         };
         let found = match threshold(&fixed, &axis) {
             Ok(found) => found,
-            // the latter from too little compression on a part of the range
+            // the latter if a part of the range has too little compression of the springs
             Err(MelnikovError::NotAParameter { .. } | MelnikovError::NoHomoclinicOrbit { .. }) => continue,
             Err(error) => panic!("{quantity}: {error}"),
         };

@@ -20,7 +20,7 @@ pub enum Threshold {
 }
 
 impl Threshold {
-    /// In the unit of the axis; None where M changes sign at all values of it or at none.
+    /// The threshold in the unit of the axis; None if M changes sign at all values of the axis or at none.
     pub fn value(self) -> Option<f64> {
         match self {
             Self::Begins(value) | Self::Ceases(value) => Some(value),
@@ -28,7 +28,7 @@ impl Threshold {
         }
     }
 
-    /// Whether M changes sign below the threshold and above it; without one, on the whole axis.
+    /// Whether M changes sign below the threshold and above it; if there is none, both tell about the whole axis.
     pub fn changes_sign(self) -> [bool; 2] {
         match self {
             Self::Begins(_) => [false, true],
@@ -39,8 +39,8 @@ impl Threshold {
     }
 }
 
-/// The least value on a rising axis at which M begins or ceases to change sign; what is no axis is that of `at`. The axis'
-/// values bracket it: a stretch that is shorter than a step may be passed over.
+/// The least value on a rising axis at which M begins or ceases to change sign; everything else is as in `at`. The search
+/// compares neighbouring values of the axis: it may miss a range that is shorter than a step of the axis.
 ///
 /// # Errors
 /// [`MelnikovError::NotAParameter`] if M does not depend on the axis' coordinate, [`MelnikovError::NoHomoclinicOrbit`] if b
@@ -77,7 +77,7 @@ pub fn changes_sign(at: &ParameterSet) -> Result<bool, MelnikovError> {
 /// As [`Melnikov::new`].
 pub fn border(at: &impl Fn(f64) -> ParameterSet, [outside, inside]: [f64; 2]) -> Result<f64, MelnikovError> {
     if let Some(found) = followed(at, [outside, inside])? {
-        // what the one extreme says must hold of the whole function
+        // the result from one extreme must hold for the whole function
         let margin = 1e-9 * (inside - outside);
         if changes_sign(&at(found + margin))? && !changes_sign(&at(found - margin))? {
             return Ok(found);
@@ -86,17 +86,17 @@ pub fn border(at: &impl Fn(f64) -> ParameterSet, [outside, inside]: [f64; 2]) ->
     bisected(at, [outside, inside])
 }
 
-/// Steps of the secant method; it takes about seven.
+/// Most steps of false position; it takes about seven.
 const STEPS: u32 = 40;
 
-/// The zero of the extreme that crosses zero on the path, followed from its inside by the Illinois variant of false
-/// position; None if it does not cross there, which other extremes may do.
+/// The value at which an extreme of M crosses zero on the path. The extreme is followed from `inside`, and the Illinois variant
+/// of false position finds its zero. None if this extreme does not cross zero; another one may.
 fn followed(
     at: &impl Fn(f64) -> ParameterSet,
     [mut outside, mut inside]: [f64; 2],
 ) -> Result<Option<f64>, MelnikovError> {
     let extremes = Melnikov::new(&at(inside))?.extremes();
-    // of the two sides the one that M has just reached is the shallower
+    // of the two signs, M has just reached the one with the smaller extreme
     let (mut tau_0, sign) = if -extremes.minimum < extremes.maximum {
         (extremes.minimum_at, -1.0)
     } else {

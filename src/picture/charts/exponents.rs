@@ -12,9 +12,9 @@ use crate::picture::layer::{Layer, Stroke};
 use crate::picture::panel::Panel;
 use crate::picture::ticks::rounded;
 
-/// The exponents over the axis of a line, with error bands and marked values, each with its name; in 1/s where there is a machine, by the
-/// machine of each point. With heat there is no second one, and one of finite time has no error: what is nowhere on the line
-/// is neither drawn nor named.
+/// The exponents over the axis of a line, with error bands, and with marked values and their names. If there is a machine, they are
+/// in 1/s, converted with the machine of each point. With heat there is no second exponent, and an exponent of finite time has no
+/// error. A curve or band without any value on the line is neither drawn nor named.
 pub fn exponents(title: &str, line: &Line, marks: &[(&str, f64)], limits: Ends) -> Panel {
     let axis = &line.axis;
     let label = AxisLabel::of(axis, &line.fixed);
@@ -93,7 +93,7 @@ pub fn exponents(title: &str, line: &Line, marks: &[(&str, f64)], limits: Ends) 
         let first = with_band(m.lyapunov, m.lyapunov_error);
         let second = with_band(m.lyapunov_second, m.lyapunov_second_error);
         let all = first.into_iter().chain(second).filter(|value| value.is_finite());
-        // zero is shown where anything is
+        // the axis includes zero if there is any value
         all.flat_map(move |value| [rate_at(index) * value, 0.0])
     });
     let unit = if line.fixed.machine().is_some() { "1/s" } else { "1/τ" };

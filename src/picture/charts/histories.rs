@@ -1,4 +1,4 @@
-//! Panels over time: what an instance's history looks like, alone or beside others.
+//! Panels over time: the history of an instance, alone or together with others.
 //!
 //! Owns which quantities are drawn, their words and how a long curve is thinned; follows no instance and places no panel.
 
@@ -19,7 +19,7 @@ pub const PRESSURE: &str = "pressure p";
 /// Words of the axis of wear.
 pub const WEAR: &str = "wear u_w";
 
-/// A quantity where there is a machine: its words, its unit, and what leads to it.
+/// A quantity of a machine in SI units: its words, its unit, and the factor that converts the dimensionless value.
 type Si = (&'static str, &'static str, fn(&Scales) -> f64);
 
 const SI_TIME: Si = ("time t", "s", |scales| scales.time);
@@ -66,7 +66,7 @@ const DRAWN: [Drawn; 5] = [
     },
 ];
 
-/// Words of an axis, and what dimensionless values are multiplied with, which are no greater than `largest`.
+/// The words of an axis, and the factor for its dimensionless values, whose magnitude is at most `largest`.
 fn worded(label: &str, (words, unit, factor): Si, scales: Option<&Scales>, largest: f64) -> (String, f64) {
     let Some(factor) = scales.map(factor) else {
         return (label.to_owned(), 1.0);
@@ -150,9 +150,9 @@ pub struct Course {
     pub name: String,
     /// Pairs (tau, value).
     pub points: Vec<[f64; 2]>,
-    /// Curves with one index have one colour.
+    /// Index of the colour; curves with the same index have the same colour.
     pub colour: usize,
-    /// Tells it from others of its colour.
+    /// Distinguishes it from other curves of its colour.
     pub is_dashed: bool,
 }
 
@@ -177,10 +177,10 @@ pub fn courses(label: &str, courses: &[Course], x: Ends, y: Ends) -> Panel {
     }
 }
 
-/// Stretches into which a long curve falls: two for each pixel of a frame.
+/// Number of stretches into which a long curve is divided: two for each pixel of a frame.
 const STRETCHES: usize = 1800;
 
-/// A long curve without the points that no one would see: of each stretch the first, the last and the extremes stay.
+/// A long curve without the points that would not be visible. Of each stretch, the first, the last and the extreme points stay.
 fn thinned(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     if points.len() <= 4 * STRETCHES {
         return points;

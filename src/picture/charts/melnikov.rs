@@ -54,7 +54,7 @@ pub fn threshold(curve: &Curve) -> Panel {
     let ends = [curve.along.first(), curve.along.last()].map(f64::abs);
     let largest = found().map(f64::abs).reduce(f64::max).unwrap_or(ends[0].max(ends[1]));
     let unit = Unit::suited(curve.fixed.unit(along), largest);
-    // the thresholds beyond which M changes sign on one side, below or above
+    // the thresholds with `sides`: whether M changes sign below the threshold, and above it
     let points = |sides: [bool; 2]| -> Vec<[f64; 2]> {
         let points = curve.thresholds.iter().enumerate().map(|(index, threshold)| {
             let found = threshold.value().filter(|_| threshold.changes_sign() == sides);

@@ -27,8 +27,8 @@ pub const MOST_CURVES: usize = 2 * colour::PERIODS.len();
 /// Grey, for zero lines.
 pub const FAINT: colour::Rgb = [0x80, 0x80, 0x80];
 
-/// Standard errors that a band is wide to either side.
+/// Half-width of a band, in standard errors.
 pub const BAND: f64 = 2.0;
 
-/// What is said where no orbit is left.
+/// The message if no orbit is left.
 pub const ALL_LEFT: &str = "every orbit ran away or was given up as under-resolved";

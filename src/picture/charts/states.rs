@@ -16,7 +16,7 @@ const ANGLE: &str = "angle of the bush, x";
 const SPEED: &str = "angular speed of the bush, y";
 const STROBOSCOPIC: &str = "at drive phase 0";
 
-/// Least extent of an axis of states: those of a cycle differ by rounding errors, which are nothing to see.
+/// Least extent of an axis of states. Otherwise the axis of a cycle would show only rounding errors.
 const LEAST_EXTENT: f64 = 1e-3;
 
 fn scale_of_states(label: &str, limits: Ends, values: impl Iterator<Item = f64>) -> AxisScale {
@@ -28,7 +28,7 @@ fn scale_of_states(label: &str, limits: Ends, values: impl Iterator<Item = f64>)
     AxisScale::new(label, middle - 0.5 * LEAST_EXTENT, middle + 0.5 * LEAST_EXTENT)
 }
 
-/// Named orbits in the phase plane with their stroboscopic points; those beyond the colours are dashed.
+/// Named orbits in the phase plane with their stroboscopic points. Orbits are dashed once all colours are in use.
 pub fn phase(title: &str, orbits: &[(String, Vec<PathPoint>)], x: Ends, y: Ends) -> Panel {
     let points = || orbits.iter().flat_map(|(_, path)| path.iter());
     let stroke = |index: usize| Stroke {
@@ -36,7 +36,7 @@ pub fn phase(title: &str, orbits: &[(String, Vec<PathPoint>)], x: Ends, y: Ends)
         width: if orbits.len() > 1 { 1.0 } else { 0.8 },
         is_dashed: index >= colour::PERIODS.len(),
     };
-    // what wanders most lies lowest: a cycle would vanish under a chaotic orbit
+    // the orbit with the most states is drawn first: a cycle would vanish under a chaotic orbit
     let mut from_below: Vec<usize> = (0..orbits.len()).collect();
     from_below.sort_by_key(|&index| std::cmp::Reverse(distinct_states(&orbits[index].1)));
     let curves = from_below.iter().map(|&index| Layer::Curve {
@@ -71,7 +71,7 @@ pub fn phase(title: &str, orbits: &[(String, Vec<PathPoint>)], x: Ends, y: Ends)
     }
 }
 
-/// Stroboscopic states that differ, to three digits: few of a cycle, many of a chaotic orbit.
+/// Number of stroboscopic states that differ in three decimals: few for a cycle, many for a chaotic orbit.
 fn distinct_states(path: &[PathPoint]) -> usize {
     let strobes = path.iter().filter(|point| point.is_stroboscopic);
     let states = strobes.map(|point| [point.x, point.y].map(|value| (1e3 * value).round() as i64));
@@ -121,8 +121,8 @@ pub enum Component {
 
 /// The bifurcation diagram as a density over a frame of the given size.
 ///
-/// Each column of pixels has the states of a whole number of the axis' values, so that no column is darker for having one
-/// more.
+/// Each column of pixels shows the states of a fixed whole number of the axis' values. Otherwise a column with one value more
+/// would be darker.
 pub fn bifurcation(title: &str, diagram: &Diagram, component: Component, limits: Ends, frame: [u32; 2]) -> Panel {
     let axis = &diagram.axis;
     let value = |state: &[f64; 2]| state[component as usize];
@@ -197,7 +197,7 @@ mod tests {
         for (index, (_, one)) in keys.iter().enumerate() {
             assert!(keys[..index].iter().all(|(_, other)| one != other), "{index}");
         }
-        // the orbit of the most states lies lowest
+        // the orbit with the most states is drawn first
         let Layer::Curve { points, .. } = &panel.layers[0] else {
             panic!("curves come first")
         };

@@ -1,4 +1,4 @@
-//! The panel of a decay: states that have not settled over time.
+//! The panel of a decay: over time, the part of the states that have not settled.
 //!
 //! Owns what is drawn of it; estimates nothing.
 
@@ -8,10 +8,10 @@ use crate::picture::axis_scale::AxisScale;
 use crate::picture::layer::{Layer, Stroke};
 use crate::picture::panel::Panel;
 
-/// Least extent of the axis of states.
+/// Least extent of the axis of states, in decades.
 const LEAST_DECADES: f64 = 0.5;
 
-/// Values of the fit's curve and band.
+/// Number of steps in the fit's curve and band.
 const SAMPLES: u32 = 200;
 
 /// The fraction of the states that is left, on a logarithmic scale, with the exponential fit and its band.
@@ -23,12 +23,12 @@ pub fn survival(survival: &Survival, decay: &Decay) -> Panel {
         .map(|&(_, left)| left)
         .filter(|&left| left > 0)
         .min();
-    // down to the last that are left, and far enough for ticks
+    // down to the least number that is left, and far enough for ticks
     let decades = (states / least.unwrap_or(1) as f64).log10().max(LEAST_DECADES);
     let low = -1.05 * decades;
-    // what falls to nothing leaves the frame
+    // a curve that falls to zero leaves the frame
     let log = |left: f64| (left / states).log10().max(low - 1.0);
-    // what comes after the last state has settled is nothing to see
+    // there is nothing to see after the last state has settled
     let end = f64::from(match survival.lasting {
         0 => survival.settled_by(1.0).unwrap_or(survival.longest).max(1),
         _ => survival.longest,
@@ -109,7 +109,7 @@ mod tests {
         assert_eq!(panel.x.high, f64::from(quantile(999)));
         let lasting = svg(&Survival::new(Vec::new(), 500, 4000));
         assert!(!lasting.contains("exponential fit") && lasting.contains("no state settles"));
-        // none is gone: the axis does not go down to a single state
+        // no state has settled: the axis does not go down to a single state
         assert!(lasting.contains(">0.5<") && !lasting.contains(">0.1<"));
     }
 }

@@ -7,7 +7,7 @@ use crate::picture::axis_label::AxisLabel;
 use crate::picture::text::widest;
 use crate::picture::ticks::{self, Tick, ticks};
 
-/// Ticks of any axis of a map, by their values.
+/// The ticks of an axis of a map, at values of the axis.
 pub fn axis_ticks(axis: &Axis, label: &AxisLabel, length: f64, room: impl Fn(f64) -> f64, size: f64) -> Vec<Tick> {
     let fits = |ticks: &[Tick]| {
         let widest = widest(ticks.iter().map(|tick| tick.label.as_str()), size);
@@ -36,9 +36,9 @@ pub fn axis_ticks(axis: &Axis, label: &AxisLabel, length: f64, room: impl Fn(f64
     }
 }
 
-/// Ticks within the values of the axis, not within the half cells beyond: there the map says nothing. They are round numbers
-/// once multiplied with `factor`. `room` is the least distance between ticks, given the width of the widest label; `length`
-/// is that of the whole map.
+/// Ticks between the first and the last value of the axis, not in the half cells beyond, where the map says nothing. Multiplied
+/// by `factor`, they are round numbers. `room` is the least distance between ticks, given the width of the widest label;
+/// `length` is the length of the whole map.
 fn even_ticks(axis: &Axis, factor: f64, length: f64, room: impl Fn(f64) -> f64, size: f64) -> Vec<Tick> {
     let [start, stop] = [axis.first(), axis.last()].map(|end| factor * end);
     let (low, high) = (start.min(stop), start.max(stop));

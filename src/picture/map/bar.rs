@@ -22,7 +22,7 @@ pub struct Bar {
 }
 
 impl Bar {
-    /// Draws the colour bar to the right of the map; the x of the right end of all that stands beside the map.
+    /// Draws the colour bar to the right of the map. Returns the x of its right end, with numbers and words.
     pub fn draw(&self, svg: &mut String, layout: &Layout) -> f64 {
         const STOPS: u32 = 64;
         let (unit, size) = (layout.unit, layout.tick_size());
@@ -41,7 +41,7 @@ impl Bar {
              fill=\"url(#scale)\" stroke=\"#000000\" stroke-width=\"{unit}\"/>",
             layout.height
         );
-        // Tips tell that values lie beyond the limits.
+        // A triangular tip shows that values lie beyond the limit.
         let tips = [
             (self.above, self.high, top, -12.0),
             (self.below, self.low, bottom, 12.0),

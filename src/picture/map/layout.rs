@@ -4,7 +4,7 @@
 
 use crate::picture::error::PictureError;
 
-/// The most points along an axis, and pixels of the map: a picture of 128 million pixels takes half a gigabyte to draw.
+/// The most points along an axis, and the most pixels of the map: to draw 128 million pixels takes half a gigabyte of memory.
 const MAX_POINTS: usize = 16_384;
 const MAX_PIXELS: u64 = 128_000_000;
 
@@ -32,7 +32,7 @@ pub struct Layout {
     pub top: f64,
     pub width: f64,
     pub height: f64,
-    /// Everything is enlarged by this in large pictures, so that they can be read when scaled down.
+    /// The factor by which everything is enlarged in large pictures, so that they can be read when scaled down.
     pub unit: f64,
 }
 

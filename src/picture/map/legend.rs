@@ -31,7 +31,7 @@ pub fn dashes(unit: f64) -> String {
     format!(" stroke-dasharray=\"{} {}\"", 9.0 * unit, 4.0 * unit)
 }
 
-/// Draws the entries in rows below `above`; the y of the lowest row.
+/// Draws the entries in rows below `above`. Returns the y of the lowest row.
 pub fn draw(svg: &mut String, layout: &Layout, entries: &[(Sign, &str)], above: f64, page_width: f64) -> f64 {
     if entries.is_empty() {
         return above;

@@ -1,6 +1,6 @@
 //! Pictures of maps: a quantity in colours over two axes.
 //!
-//! Draws maps only from a [`ParameterMap`](crate::map::ParameterMap). In their order, each file knows those before it only:
+//! Draws maps only from a [`ParameterMap`](crate::map::ParameterMap). Each file knows only those before it in this list:
 //!
 //! - `layout`: sizes and places; `axis_ticks`: which ticks fit; `paragraphs`: the caption;
 //! - `bar`, `legend`: what explains the colours;

@@ -11,13 +11,13 @@ use crate::output::PROGRAM;
 use crate::picture::caption;
 use crate::picture::ticks::number;
 
-/// All but that on the border.
+/// All paragraphs except the one on the border.
 pub fn of(map: &ParameterMap) -> Vec<String> {
     let paragraphs = [Some(fixed_parameters(map)), beyond_limits(map), Some(numerics(map))];
     paragraphs.into_iter().flatten().collect()
 }
 
-/// What the border of chaos is that is drawn over a map.
+/// The paragraph that explains the border of chaos drawn over a map.
 pub fn border(map: &ParameterMap) -> String {
     let left_out = match least_region(map) {
         0..=1 => String::new(),
@@ -29,7 +29,7 @@ pub fn border(map: &ParameterMap) -> String {
     )
 }
 
-/// Where no machine could do what is shown.
+/// The paragraph on the points at which the map shows what no machine could do.
 fn beyond_limits(map: &ParameterMap) -> Option<String> {
     let shares = map.shares_beyond_limits();
     let parts: Vec<String> = shares
@@ -42,7 +42,7 @@ fn beyond_limits(map: &ParameterMap) -> Option<String> {
                 _ => "the bush turned further than the model holds",
             };
             let of_points = if index == 0 { " of the points" } else { "" };
-            // few are not none
+            // a small share is not written as 0 %
             let percent = (1000.0 * share).round().max(1.0) / 10.0;
             format!("{how} at {}\u{a0}%{of_points}", number(percent))
         })
@@ -60,7 +60,7 @@ fn numerics(map: &ParameterMap) -> String {
     let settings = &map.experiment.settings;
     let (x, y) = (map.x_axis().count(), map.y_axis().count());
     let run = if map.experiment.wears() {
-        // where nothing wears a transient comes before
+        // without wear, a transient comes before the measurement
         format!("{} forcing periods from the start", settings.sampling.periods)
     } else {
         format!(
@@ -105,8 +105,7 @@ fn backends(map: &ParameterMap) -> Vec<String> {
     let Values::Code(names) = QUANTITIES[Quantity::Backend as usize].values else {
         return Vec::new();
     };
-    let column = map.column(Quantity::Backend);
-    let occurs = |code: usize| column.contains(&(code as f64));
+    let occurs = |code: usize| map.values(Quantity::Backend).any(|backend| backend == code as f64);
     names
         .iter()
         .enumerate()

@@ -69,7 +69,7 @@ pub struct Plot {
 pub struct Overlay {
     /// For the legend.
     pub name: String,
-    /// (x, y) in the axes' parameters; NaN parts its pieces.
+    /// (x, y) in the axes' parameters; NaN interrupts the curve.
     pub points: Vec<[f64; 2]>,
 }
 
@@ -196,7 +196,7 @@ impl Plot {
         }
     }
 
-    /// A stroke as long as a point's side across each change; between neighbours they meet at the points' corners.
+    /// At each change, a stroke across its direction, as long as a point's side. Strokes of neighbours meet at the points' corners.
     fn border_path(&self, layout: &Layout) -> String {
         let mut path = String::new();
         for change in &self.border {
@@ -211,7 +211,7 @@ impl Plot {
         path
     }
 
-    /// Values rise to the right, whichever way the axis runs.
+    /// The x of a value. Values rise to the right, even if the axis falls.
     fn x_pixel(&self, value: f64, layout: &Layout) -> f64 {
         layout.left + (self.x.place(value) + 0.5) * layout.cell[0]
     }
@@ -220,7 +220,7 @@ impl Plot {
         layout.top + layout.height - (self.y.place(value) + 0.5) * layout.cell[1]
     }
 
-    /// Draws ticks and labels; the y of the lowest.
+    /// Draws ticks and labels. Returns the y of the lowest label.
     fn draw_axes(
         &self,
         svg: &mut String,
@@ -284,7 +284,7 @@ impl Plot {
         })
     }
 
-    /// The legend of what occurs.
+    /// The entries of the legend, only for what occurs in the map.
     fn entries(&self) -> Vec<(Sign, &str)> {
         let mut entries: Vec<(Sign, &str)> = Vec::new();
         if !self.heading.is_empty() {
@@ -308,8 +308,8 @@ impl Plot {
     }
 }
 
-/// A piece of a curve in pixels. Where it ends with the axes, at the middle of an outermost point, it goes on straight for a
-/// point's size, which takes it to the frame.
+/// A piece of a curve in pixels. If it ends where the axes end, at the middle of an outermost point, it is extended in a straight
+/// line by the diagonal of a point, so that it reaches the frame.
 fn to_the_frame(piece: &[[f64; 2]], layout: &Layout) -> impl Iterator<Item = [f64; 2]> {
     let (corner, size) = ([layout.left, layout.top], [layout.width, layout.height]);
     let ends_with_the_axes = |place: [f64; 2]| {

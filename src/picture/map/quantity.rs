@@ -19,7 +19,7 @@ use crate::picture::png::{self, PngError};
 /// Draws a quantity of a map into a PNG file that carries the experiment.
 ///
 /// # Errors
-/// [`PngError`]: if the picture cannot be drawn, or not be written.
+/// [`PngError`] if the picture cannot be drawn or written.
 pub fn draw(map: &ParameterMap, quantity: Quantity, style: &Style, path: &Path) -> Result<(), PngError> {
     let page = quantity_picture(map, quantity, style)?;
     let title = format!("{} of the bush-shaft system", label(map, quantity));
@@ -36,7 +36,7 @@ pub fn quantity_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -
         Quantity::Period => period_picture(map, style),
         Quantity::Attractors => attractors_picture(map, style),
         _ => match quantity.info().values {
-            Values::Number => number_picture(map, quantity, style),
+            Values::F64 | Values::F32 => number_picture(map, quantity, style),
             Values::Code(names) => code_picture(map, quantity, names, style),
         },
     }
@@ -63,7 +63,7 @@ pub fn lyapunov_picture(map: &ParameterMap, style: &Style) -> Result<Page, Pictu
         Some(Class::Unstable) => Cell::Kind(4),
         None if map.is_under_resolved(index) => Cell::Kind(3),
         None if map.is_runaway(index) => Cell::Kind(2),
-        // what has no class else has an exponent of finite time
+        // other points without a class have an exponent of finite time
         Some(Class::Chaotic | Class::Regular) | None => Cell::Value(values[index]),
     });
     let bar = bar(Quantity::Lyapunov, &shown, &cells, style)?;
@@ -98,11 +98,11 @@ pub fn period_picture(map: &ParameterMap, style: &Style) -> Result<Page, Picture
         Kind::new(colour::NOT_APPLICABLE, "transient, since the contact wears"),
         Kind::new(colour::UNSTABLE, "unstable"),
     ]);
-    let periods = map.column(Quantity::Period);
+    let period = |index| map.value(Quantity::Period, index);
     let cells = cells(map, |index| {
         Cell::Kind(match map.class(index) {
-            Some(Class::Regular) if periods[index].is_nan() => first_other,
-            Some(Class::Regular) => count_kind(periods[index]),
+            Some(Class::Regular) if period(index).is_nan() => first_other,
+            Some(Class::Regular) => count_kind(period(index)),
             Some(Class::QuasiPeriodic) => first_other + 1,
             Some(Class::Chaotic) => first_other + 2,
             Some(Class::Undecided) => first_other + 3,
@@ -131,16 +131,16 @@ fn attractors_picture(map: &ParameterMap, style: &Style) -> Result<Page, Picture
     kinds.push(Kind::new(colour::RUNAWAY, "runaway"));
     kinds.push(Kind::new(colour::UNDER_RESOLVED, "under-resolved"));
     kinds.push(Kind::new(colour::UNDECIDED, "none settled on"));
-    let counts = map.column(Quantity::Attractors);
+    let count = |index| map.value(Quantity::Attractors, index);
     let kind = |index| {
         if map.is_runaway(index) {
             runaway
         } else if map.is_under_resolved(index) {
             runaway + 1
-        } else if counts[index] == 0.0 {
+        } else if count(index) == 0.0 {
             runaway + 2
         } else {
-            count_kind(counts[index])
+            count_kind(count(index))
         }
     };
     let cells = cells(map, |index| Cell::Kind(kind(index)));
@@ -156,7 +156,7 @@ fn attractors_picture(map: &ParameterMap, style: &Style) -> Result<Page, Picture
     )
 }
 
-/// Whole numbers from 1, the larger ones in groups.
+/// The kinds for whole numbers from 1 on; larger numbers form groups.
 fn count_kinds() -> Vec<Kind> {
     let single = (1..=8).map(|count: usize| count.to_string());
     let names = single.chain(["9–16", "17–32", "above 32"].map(str::to_owned));
@@ -228,10 +228,9 @@ fn code_picture(map: &ParameterMap, quantity: Quantity, names: &[&str], style: &
     kinds.push(Kind::new(colour::RUNAWAY, "runaway"));
     kinds.push(Kind::new(colour::UNDER_RESOLVED, "under-resolved"));
     kinds.push(Kind::new(colour::NOT_APPLICABLE, "not applicable"));
-    let codes = map.column(quantity);
     // a point has no code where it ran away, is under-resolved, or where its motion is transient and has no class
     let cells = cells(map, |index| {
-        Cell::Kind(match codes[index] {
+        Cell::Kind(match map.value(quantity, index) {
             code if !code.is_nan() => code as usize,
             _ if map.is_under_resolved(index) => names.len() + 1,
             _ if map.is_runaway(index) => names.len(),
@@ -261,7 +260,7 @@ fn class_colour(class: Class) -> Rgb {
     }
 }
 
-/// A code's name as it is read aloud.
+/// The name of a code as ordinary words.
 fn spoken(name: &str) -> String {
     match name {
         "quasi_periodic" => "quasi-periodic".to_owned(),

@@ -1,4 +1,4 @@
-//! How a map is drawn, as a user chooses it.
+//! The style of a map, as a user chooses it.
 //!
 //! Owns the defaults, and whether a map can be drawn in a style.
 
@@ -11,8 +11,8 @@ use crate::picture::error::PictureError;
 /// How a picture is drawn.
 #[derive(Clone, Debug)]
 pub struct Style {
-    /// Values at the ends of the colour bar, in SI units without a prefix where it is in SI; by default they are taken from
-    /// the data. A two-sided scale is always centred at zero: its colours reach as far as the larger of the two.
+    /// Values at the ends of the colour bar; by default they are taken from the data. If the bar is in SI units, these are SI units
+    /// without a prefix. A two-sided scale is always centred at zero: its colours reach as far as the larger of the two.
     pub limits: Option<(f64, f64)>,
     /// The pair of scales; each quantity takes one of the two.
     pub colours: ColourScale,
@@ -20,7 +20,7 @@ pub struct Style {
     pub border: bool,
     /// A curve from theory that is drawn over every map.
     pub overlay: Option<Overlay>,
-    /// Width and height of the plotted map in pixels, met as nearly as whole pixels for each point allow.
+    /// Width and height of the plotted map in pixels. They are approximate, because every point takes whole pixels.
     pub size: [u32; 2],
 }
 
@@ -42,7 +42,7 @@ impl Default for Style {
 /// [`PictureError::TooLarge`].
 ///
 /// # Panics
-/// If the experiment has not two axes.
+/// If the experiment does not have two axes.
 pub fn check_size(experiment: &Experiment, style: &Style) -> Result<(), PictureError> {
     let [x, y] = experiment.design.axes() else {
         panic!("a map has two axes")

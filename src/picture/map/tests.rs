@@ -127,7 +127,7 @@ fn an_overlay_reaches_the_frame_where_it_ends_with_the_axes() {
         let line = page.svg.lines().find(|line| line.contains("url(#map)")).unwrap();
         line.matches('L').count()
     };
-    // two steps, and one more at either end; in the middle of the map none
+    // two segments, and one more at each end; none in the middle of the map
     assert_eq!(path(vec![[1.0, 0.0], [1.5, 1.0], [2.0, 3.0]]), 4);
     assert_eq!(path(vec![[1.0, 1.0], [1.5, 1.5], [2.0, 2.0], [f64::NAN, 3.0]]), 2);
 }
@@ -148,7 +148,7 @@ fn the_legend_names_what_occurs_and_nothing_else() {
 
 #[test]
 fn limits_are_robust_stated_and_checked() {
-    // neither the one extreme nor strong damping pales the chaos
+    // neither the one extreme value nor strong damping makes the chaos pale
     let mut exponents = [vec![-1.5; 150], vec![0.15; 149]].concat();
     exponents.push(40.0);
     let map = samples::map("zeta_k=0:3:20", "h1=0:1:15", &exponents);
@@ -227,7 +227,7 @@ fn a_machine_s_map_has_axes_and_values_in_si_units() {
     ] {
         assert!(pressure.contains(words), "{words}");
     }
-    // neither what is an axis nor what changes along one is told as fixed
+    // neither an axis nor a value that changes along an axis is listed as fixed
     assert!(!pressure.contains("Ωₐ\u{a0}=") && !pressure.contains("ζₖ\u{a0}=") && !pressure.contains("ε\u{a0}="));
     assert!(svg(Quantity::PeakTemperature).contains("rise of the surface temperature, T − T₀ (K)"));
     assert!(svg(Quantity::Lyapunov).contains("Lyapunov exponent of finite time, λ₁ (1/s)"));
@@ -259,7 +259,7 @@ fn points_beyond_the_limits_are_counted_with_its_worst_point() {
         ),
         "{warnings:?}"
     );
-    // 219 MPa at 3 nm, beyond 205
+    // 219 MPa at 3 nm are above 205 MPa
     assert!(
         warnings[1].starts_with("beyond the model's limits at 18 points (60.0 %)"),
         "{warnings:?}"

@@ -24,7 +24,7 @@ pub struct Shown {
     pub values: Vec<f64>,
     /// Words of the colour bar, with the unit.
     label: String,
-    /// What a value in plain units is multiplied with.
+    /// The factor from units without a prefix to the units shown.
     factor: f64,
 }
 
@@ -45,14 +45,14 @@ impl Shown {
             units => format!(" ({})", units.replace("tau", "τ")),
         };
         Self {
-            values: map.column(quantity).to_vec(),
+            values: map.values(quantity).collect(),
             label: format!("{}{units}", label(map, quantity)),
             factor: 1.0,
         }
     }
 }
 
-/// What a quantity is called in pictures of a map.
+/// The name of a quantity in pictures of a map.
 pub fn label(map: &ParameterMap, quantity: Quantity) -> &'static str {
     let experiment = &map.experiment;
     match quantity {
@@ -108,9 +108,9 @@ pub fn bar(quantity: Quantity, shown: &Shown, cells: &[Cell], style: &Style) -> 
     }))
 }
 
-/// Limits around zero, from sorted values. A few extremes must not pale all the rest; and where some values are
-/// positive, they set the scale: a chaotic exponent is small beside those of strongly damped motion, which is no reason
-/// to hide it.
+/// Limits that are symmetric about zero, from sorted values. A few extreme values must not make all others pale. If some values
+/// are positive, they set the scale: chaotic exponents are small compared with those of strongly damped motion, but must be
+/// visible.
 fn symmetric(values: &[f64]) -> (f64, f64) {
     let positive = &values[values.partition_point(|value| *value <= 0.0)..];
     let reach = if positive.is_empty() {
@@ -126,7 +126,7 @@ fn symmetric(values: &[f64]) -> (f64, f64) {
 /// Round limits between which nearly all of the sorted values lie.
 fn span(values: &[f64]) -> (f64, f64) {
     let (low, high) = (quantile(values, 0.01), quantile(values, 0.99));
-    // A single value is given the middle of a scale around it.
+    // A single value lies in the middle of the scale.
     let width = if high > low {
         high - low
     } else {

@@ -1,4 +1,4 @@
-//! How exact a kernel's exponents are, against the reference integrator.
+//! How accurate a kernel's exponents are, compared with the reference integrator.
 //!
 //! Owns which points count and how errors are summed up; times nothing.
 
@@ -16,24 +16,24 @@ use crate::parameters::{Parameter, ParameterSet};
 /// Forcing periods over which exponents are compared, from the initial state on.
 pub const PERIODS: u32 = 20;
 
-/// By how much the initial angle is moved, and by how much less an exponent must change to count.
+/// Shift of the initial angle. A point counts if the shift changes its exponent by less than the same number.
 const SENSITIVITY: f64 = 1e-6;
 
-/// The same for the full model, whose reference is itself exact to no more.
+/// The bound on the change of the exponent for the full model: its reference is not more accurate than this.
 const RUBBED_SENSITIVITY: f64 = 1e-5;
 
-/// Every so many of the points are compared.
+/// One of so many points is compared.
 const STRIDE: usize = 9;
 
-/// Points with the exponents that they have over [`PERIODS`] by a reference.
+/// Points, each with its reference exponent over [`PERIODS`].
 #[derive(Clone, Debug)]
 pub struct References {
     points: Vec<(ParameterSet, f64)>,
 }
 
 impl References {
-    /// Of the points, those that are insensitive: whose exponent changes by less than 1e-6 where x0 moves by 1e-6. The
-    /// others are chaotic, or meet the friction layer's boundary tangentially, and tell nothing of a scheme.
+    /// Keeps the insensitive points: those whose exponent changes by less than 1e-6 if x0 changes by 1e-6. The others are
+    /// chaotic, or meet the friction layer's boundary tangentially, and tell nothing of a scheme.
     pub fn compute(points: &[ParameterSet]) -> Self {
         let exponent = |point: &ParameterSet| {
             let mut orbit = ReferenceOrbit::new(point);
@@ -51,7 +51,7 @@ impl References {
         Self { points }
     }
 
-    /// Of every ninth point of the benchmark, of the full model or of the reduced one.
+    /// References for every ninth point of the benchmark, of the full model or of the reduced one.
     pub fn of_model(rubbed: bool) -> Self {
         let points = points_of_model(rubbed, STRIDE);
         if rubbed {
@@ -61,8 +61,8 @@ impl References {
         }
     }
 
-    /// The same for points of the full model, by radau itself, at a tolerance of 1e-8 and with [`MAX_MODES`] heat modes:
-    /// there is no integrator of another kind that is fast enough.
+    /// As [`References::compute`], for points of the full model. The reference is radau itself, at a tolerance of 1e-8 and with
+    /// [`MAX_MODES`] heat modes: no other kind of integrator is fast enough.
     pub fn compute_rubbed(points: &[ParameterSet]) -> Self {
         let settings = Settings {
             integration: Integration {

@@ -1,6 +1,6 @@
 //! What an instance-period costs.
 //!
-//! Owns the run that is timed, which goes the way of a map's points: through the driver, with sums collected and evaluated.
+//! Owns the run that is timed. It uses the same code as the points of a map: the driver, with sums collected and evaluated.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -20,12 +20,12 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Of as many periods with vectors as without.
+    /// The mean of a period with vectors and one without.
     pub fn mean(&self) -> f64 {
         0.5 * (self.motion_alone + self.with_vectors)
     }
 
-    /// The median of either cost; NaN of none.
+    /// The median of each of the two costs; NaN if there are none.
     pub fn median(costs: &[Self]) -> Self {
         Self {
             motion_alone: median(costs.iter().map(|cost| cost.motion_alone)),

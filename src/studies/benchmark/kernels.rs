@@ -1,6 +1,6 @@
 //! The kernels of this program on this machine: what each costs and how exact it is.
 //!
-//! Owns which are compared and on what; prints nothing.
+//! Owns the choice of the kernels and of the points; prints nothing.
 
 use std::time::{Duration, Instant};
 
@@ -23,13 +23,13 @@ pub struct Case {
     pub precision: Precision,
     /// Heat modes of the full model.
     pub modes: Option<u32>,
-    /// Of radau's steps.
+    /// Tolerance of radau's steps.
     pub tolerance: f64,
 }
 
 impl Case {
-    /// Every kernel of an instruction set, or of a GPU, in a number type: of the reduced model, and of the full one with
-    /// each of these numbers of heat modes.
+    /// All kernels of an instruction set, or of a GPU, in a number type: those of the reduced model, and those of the full model
+    /// with each of these numbers of heat modes.
     pub fn all(instructions: Option<InstructionSet>, precision: Precision, modes: &[u32]) -> Vec<Self> {
         let case = |scheme, modes| Self {
             scheme,
@@ -58,7 +58,7 @@ impl Case {
         }
     }
 
-    /// The points that it is timed on: of the slower instruction sets every few of them.
+    /// The points on which the kernel is timed. For the slower instruction sets, it is only every third or every ninth point.
     pub fn points(&self) -> Vec<ParameterSet> {
         let stride = match self.instructions {
             Some(InstructionSet::Avx512) | None => 1,
@@ -73,7 +73,7 @@ impl Case {
         if self.scheme.carries_heat() {
             (16, 16)
         } else {
-            // as many measured ones as a map has by default: sums are collected as often
+            // as many measured periods as a map has by default, so that sums are collected as often
             (100, 250)
         }
     }
@@ -110,9 +110,9 @@ pub struct Kernel {
     /// Numbers in a vector register of the CPU.
     pub lanes: Option<usize>,
     pub modes: Option<u32>,
-    /// Of radau's steps.
+    /// Tolerance of radau's steps.
     pub tolerance: Option<f64>,
-    /// Of as many periods with tangent vectors as without; on one core of the CPU, on the whole of a GPU.
+    /// The mean of a period with tangent vectors and one without; on one core of the CPU, or on a whole GPU.
     pub ns_per_instance_period: f64,
     pub ns_motion_alone: f64,
     pub ns_with_vectors: f64,
@@ -124,7 +124,7 @@ pub struct Kernel {
 /// Most rounds of timing: every kernel is timed once in each.
 const ROUNDS: usize = 5;
 
-/// Measures the cases in turn, some rounds of them while `budget` lasts, at least one; those of a GPU on `gpu`.
+/// Measures the cases in rounds, as many as `budget` allows and at least one; cases of a GPU are measured on `gpu`.
 ///
 /// # Errors
 /// If a backend fails.
@@ -148,7 +148,8 @@ pub fn measure(
                 one_core.install(|| case.cost(&mut CpuBackend::with_instructions(case.precision, set)))?
             } else {
                 let gpu = gpu.as_deref_mut().expect("a case of a GPU comes with one");
-                // kernels are compiled, those of the full model for every number of modes anew
+                // an untimed run, in which the kernel is compiled; those of the full model are compiled again for every number of
+                // modes
                 if round == 1 || case.modes.is_some() {
                     case.cost(gpu)?;
                 }

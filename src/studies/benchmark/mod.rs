@@ -63,10 +63,10 @@ fn points_of_model(rubbed: bool, stride: usize) -> Vec<ParameterSet> {
     points.expect("the table of parameters admits the benchmark's ranges")
 }
 
-/// The value that the given part of the values does not exceed; NaN of none.
+/// The value that the given part of the values does not exceed; NaN if there are none.
 fn quantile(values: impl IntoIterator<Item = f64>, part: f64) -> f64 {
     let mut values: Vec<f64> = values.into_iter().collect();
-    // one that is no number is the largest
+    // NaN sorts as the largest value
     values.sort_by(f64::total_cmp);
     let last = values.len().saturating_sub(1);
     let place = (last as f64 * part).round() as usize;

@@ -20,13 +20,13 @@ const ROUNDS: usize = 7;
 /// Numbers of points that are timed, in rising order.
 const POINTS: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
 
-/// How fast so many threads are.
+/// The speed of a number of threads.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Threads {
     pub threads: usize,
     /// Wall-clock nanoseconds for an instance-period.
     pub ns_per_instance_period: f64,
-    /// Over one thread: the median of the rounds' ratios.
+    /// Speed-up over one thread: the median of the rounds' ratios.
     pub speed_up: f64,
 }
 
@@ -100,8 +100,8 @@ fn points(count: usize) -> Vec<ParameterSet> {
     every(&design, 1)
 }
 
-/// Nanoseconds for an instance-period of points in batches of the backend's size, each carried over so many periods of the
-/// motion alone and as many with tangent vectors.
+/// Nanoseconds for an instance-period. The points are run in batches of the backend's size, over `periods` periods of the motion
+/// alone and as many with tangent vectors.
 fn time(points: &[ParameterSet], periods: u32) -> Result<f64, BackendError> {
     let settings = Settings {
         sampling: Sampling {

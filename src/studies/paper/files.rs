@@ -25,7 +25,7 @@ pub struct Files {
     effort: Effort,
 }
 
-/// What is kept of a figure beside its pictures.
+/// The record of a figure, in a file beside its pictures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Kept {
     pub figure: String,
@@ -37,7 +37,7 @@ pub struct Kept {
     pub rows: Vec<Row>,
 }
 
-/// By which a file is told from another one.
+/// Length and checksum, which tell a file from another one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Digest {
     pub bytes: usize,
@@ -71,8 +71,8 @@ impl Files {
         serde_json::from_str(&text).ok()
     }
 
-    /// What is kept of a figure if its files are as they were written, and are what this version of the program would
-    /// compute.
+    /// The record of a figure, if the figure is current: its files have not changed, and this version of the program would
+    /// compute the same.
     pub fn current(&self, figure: &Figure) -> Option<Kept> {
         let kept = self.kept(figure)?;
         let is_current = kept.figure == figure.id
@@ -86,19 +86,20 @@ impl Files {
         is_current.then_some(kept)
     }
 
-    /// Whether the figure is there from another effort, which is not to be lost by the way.
+    /// Whether the figure exists with another effort. Such a figure must not be replaced by accident.
     pub fn is_of_other_effort(&self, figure: &Figure) -> bool {
         self.kept(figure).is_some_and(|kept| kept.effort != self.effort)
     }
 
-    /// Writes a figure's pictures, data and rows; returns the files. The rows come last: where they are, all is.
+    /// Writes a figure's pictures, data and rows; returns the files. The file with the rows is written last: if it exists, all
+    /// others do.
     ///
     /// # Errors
     /// If the figure cannot be drawn, or a file cannot be written.
     pub fn write(&self, figure: &Figure, outcome: &Outcome) -> Result<Vec<PathBuf>, FilesError> {
         let name = self.name(figure);
         let json_path = with_ending(&name, ".json");
-        // what is half replaced must not pass for current
+        // a figure that is only partly replaced must not count as current
         if json_path.exists() {
             fs::remove_file(&json_path).map_err(|source| FilesError::Remove {
                 path: json_path.clone(),
@@ -134,7 +135,7 @@ impl Files {
         Ok(files)
     }
 
-    /// The table of all figures that are current, in Markdown, and writes it to `table.md`; returns it with its path.
+    /// Writes the table of all current figures, in Markdown, to `table.md`; returns the table and its path.
     ///
     /// # Errors
     /// If it cannot be written.

@@ -3,7 +3,7 @@
 //! Owns the panels' parameters and the paper's statements on them; M is [`crate::model::melnikov`]'s.
 
 use super::table::{Row, Value};
-use super::{Data, Effort, Observer, Outcome, PaperError};
+use super::{Breaker, Data, Effort, Outcome, PaperError};
 use crate::analysis::melnikov::{default_search, sampled};
 use crate::model::melnikov::{Melnikov, threshold};
 use crate::output::PROGRAM;
@@ -46,10 +46,10 @@ const PANELS: [Panel; 3] = [
 
 /// The paper's axis of tau0.
 const TIMES: [f64; 2] = [-4.0, 4.0];
-/// Below zero the paper's axis has no tick; the broken curves reach about -1.
+/// Lower end of the axis of M. The paper's axis has no tick below zero; the broken curves reach about -1.
 const BOTTOM: f64 = -2.0;
 
-pub fn figure_4_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<Outcome>, PaperError> {
+pub fn figure_4_1(effort: Effort, observer: &mut Breaker<'_>) -> Result<Option<Outcome>, PaperError> {
     let samples = match effort {
         Effort::Full => 1201,
         Effort::Quick => 161,

@@ -1,8 +1,7 @@
 //! The paper's figures and numbers, computed anew.
 //!
-//! Owns which figures there are, with the paper's axes and parameters, and what the paper says of them; computes through
-//! [`crate::analysis`] and draws through [`crate::picture`]. What the paper says is held beside what is computed, and never
-//! enters it.
+//! Owns the list of figures, with the paper's axes, parameters and statements; computes through [`crate::analysis`] and draws
+//! through [`crate::picture`]. The paper's statements are kept beside the computed results, and never enter them.
 
 mod files;
 mod melnikov;
@@ -34,21 +33,21 @@ pub enum Effort {
 
 /// A figure of the paper.
 pub struct Figure {
-    /// Its number there.
+    /// Its number in the paper.
     pub id: &'static str,
     pub title: &'static str,
-    /// Raised when what it computes changes, so that older results are not taken for current.
+    /// Raised when the computation changes, so that older results do not count as current.
     revision: u32,
-    compute: fn(Effort, &mut Observer<'_>) -> Result<Option<Outcome>, PaperError>,
+    compute: fn(Effort, &mut Breaker<'_>) -> Result<Option<Outcome>, PaperError>,
 }
 
-/// Heard after each piece of work; may break it off.
-pub type Observer<'a> = dyn FnMut() -> ControlFlow<()> + 'a;
+/// Called after each piece of work; may stop the computation.
+pub type Breaker<'a> = dyn FnMut() -> ControlFlow<()> + 'a;
 
-/// What a figure came out as.
+/// The result of a figure.
 pub struct Outcome {
     pub sheet: Sheet,
-    /// Rows of the table of what the paper says.
+    /// Rows of the table that compares the paper with the program.
     pub rows: Vec<Row>,
     /// The data of each panel.
     pub data: Vec<Data>,
@@ -62,7 +61,7 @@ pub struct Data {
     pub rows: Vec<Vec<f64>>,
 }
 
-/// The paper's figures in its order. One is added by an entry here.
+/// The paper's figures, in the order of the paper. A new figure needs an entry here.
 pub const FIGURES: &[Figure] = &[
     Figure {
         id: "3.1",
@@ -122,7 +121,7 @@ impl Figure {
     ///
     /// # Errors
     /// If the CPU backend fails, or the figure cannot be drawn.
-    pub fn compute(&self, effort: Effort, observer: &mut Observer<'_>) -> Result<Option<Outcome>, PaperError> {
+    pub fn compute(&self, effort: Effort, observer: &mut Breaker<'_>) -> Result<Option<Outcome>, PaperError> {
         (self.compute)(effort, observer)
     }
 }

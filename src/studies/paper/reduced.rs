@@ -5,7 +5,7 @@
 use std::fmt::Write as _;
 
 use super::table::{Row, Value};
-use super::{Data, Effort, Observer, Outcome, PaperError};
+use super::{Breaker, Data, Effort, Outcome, PaperError};
 use crate::analysis::bifurcation::{Columns, diagram};
 use crate::analysis::exponents::lines;
 use crate::analysis::onset::{Definition, Found, Scan, Way, fine_axis};
@@ -27,7 +27,7 @@ const TRANSIENT: u32 = 382;
 const MEASURED: u32 = 100;
 /// The paper does not say where its orbits begin.
 const START: [f64; 2] = [1.0, 0.0];
-/// Initial states where none is named.
+/// Initial states that are tried, since the paper names none.
 const STARTS: [[f64; 2]; 3] = [[0.1, 0.0], [1.0, 0.0], [-1.0, 0.0]];
 const ONSET_SPACING: f64 = 0.0025;
 
@@ -36,18 +36,18 @@ const WIDE: [f64; 2] = [0.0, 12.0];
 const NARROW: [f64; 2] = [3.5, 4.0];
 
 /// What an effort means in numbers.
-struct Work {
+struct Resolution {
     /// Values of zeta_k in a bifurcation diagram: two for each column of pixels.
     columns: usize,
     /// Stroboscopic states for each.
     states: u32,
     /// Values of zeta_k in a panel of exponents.
     exponents: usize,
-    /// Initial states tried in all where the paper's onset is not reproduced.
+    /// Total number of initial states that are tried where the paper's onset is not reproduced.
     tried: u32,
 }
 
-impl Work {
+impl Resolution {
     fn new(effort: Effort) -> Self {
         match effort {
             Effort::Full => Self {
@@ -82,22 +82,22 @@ fn backends() -> Backends {
 type Drawn = (Panel, Data);
 
 fn bifurcation_panel(
-    work: &Work,
+    resolution: &Resolution,
     letter: &str,
     h1: f64,
     range: [f64; 2],
     limits: [f64; 2],
-    observer: &mut Observer<'_>,
+    observer: &mut Breaker<'_>,
 ) -> Result<Option<Drawn>, PaperError> {
     let settings = Settings {
         sampling: Sampling {
             transient_periods: TRANSIENT,
-            periods: work.states,
+            periods: resolution.states,
             ..Sampling::default()
         },
         ..Settings::default()
     };
-    let axis = axis(range, work.columns);
+    let axis = axis(range, resolution.columns);
     let mut backend = CpuBackend::new(Precision::F64);
     let progress = &mut |_: u64| observer();
     let found = diagram(
@@ -128,13 +128,13 @@ fn bifurcation_panel(
 }
 
 fn exponents_panel(
-    work: &Work,
+    resolution: &Resolution,
     letter: &str,
     h1: f64,
     range: [f64; 2],
     limits: [f64; 2],
     onset: Option<&Found>,
-    observer: &mut Observer<'_>,
+    observer: &mut Breaker<'_>,
 ) -> Result<Option<Drawn>, PaperError> {
     let settings = Settings {
         sampling: Sampling {
@@ -145,7 +145,7 @@ fn exponents_panel(
         },
         ..Settings::default()
     };
-    let axis = axis(range, work.exponents);
+    let axis = axis(range, resolution.exponents);
     let marks: Vec<(&str, f64)> = onset.iter().map(|found| ("onset", found.value)).collect();
     let observer = &mut |_: crate::engine::Event<'_>| observer();
     let found = lines(&mut backends(), &settings, &damped(h1), &axis, &[START], observer)?;
@@ -179,13 +179,14 @@ fn exponents_panel(
     }))
 }
 
-/// The least zeta_k on a range with chaos from one of the initial states. The outer None means that the observer broke it off.
+/// The least zeta_k in a range at which one of the initial states leads to chaos. The outer None means that the observer broke it
+/// off.
 #[expect(clippy::option_option, reason = "broken off is not the same as nothing found")]
 fn first_chaos(
     h1: f64,
     range: [f64; 2],
     starts: &[[f64; 2]],
-    observer: &mut Observer<'_>,
+    observer: &mut Breaker<'_>,
 ) -> Result<Option<Option<Found>>, PaperError> {
     let scan = Scan {
         definition: &Definition::new(&Settings::default()),
@@ -208,24 +209,24 @@ fn from_words(found: Option<&Found>) -> String {
     })
 }
 
-/// Unwraps a piece of work, or returns None from the figure if it was broken off.
+/// Unwraps a part of the work, or returns None from the figure if it was broken off.
 macro_rules! finished {
-    ($work:expr) => {
-        match $work? {
+    ($resolution:expr) => {
+        match $resolution? {
             Some(done) => done,
             None => return Ok(None),
         }
     };
 }
 
-pub fn figure_3_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<Outcome>, PaperError> {
-    let work = Work::new(effort);
+pub fn figure_3_1(effort: Effort, observer: &mut Breaker<'_>) -> Result<Option<Outcome>, PaperError> {
+    let resolution = Resolution::new(effort);
     let found = finished!(first_chaos(0.0, WIDE, &STARTS, observer));
     let drawn = [
-        finished!(bifurcation_panel(&work, "a", 0.0, WIDE, [-2.7, 1.4], observer)),
-        finished!(bifurcation_panel(&work, "b", 0.0, NARROW, [-0.9, 1.1], observer)),
+        finished!(bifurcation_panel(&resolution, "a", 0.0, WIDE, [-2.7, 1.4], observer)),
+        finished!(bifurcation_panel(&resolution, "b", 0.0, NARROW, [-0.9, 1.1], observer)),
         finished!(exponents_panel(
-            &work,
+            &resolution,
             "c",
             0.0,
             WIDE,
@@ -234,7 +235,7 @@ pub fn figure_3_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
             observer
         )),
         finished!(exponents_panel(
-            &work,
+            &resolution,
             "d",
             0.0,
             NARROW,
@@ -258,21 +259,21 @@ pub fn figure_3_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
             "the paper's text and its other panel say 3.78",
         ),
     ];
-    Ok(Some(outcome(&work, &damped(0.0), drawn, &[found.as_ref()], rows)))
+    Ok(Some(outcome(&resolution, &damped(0.0), drawn, &[found.as_ref()], rows)))
 }
 
-pub fn figure_3_2(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<Outcome>, PaperError> {
-    let work = Work::new(effort);
+pub fn figure_3_2(effort: Effort, observer: &mut Breaker<'_>) -> Result<Option<Outcome>, PaperError> {
+    let resolution = Resolution::new(effort);
     let half = finished!(first_chaos(0.5, WIDE, &STARTS, observer));
     let other = finished!(first_chaos(0.5, WIDE, &STARTS[..1], observer));
     let one = finished!(first_chaos(1.0, WIDE, &STARTS, observer));
-    let tried = finished!(below(&work, 1.0, one.as_ref(), observer));
+    let tried = finished!(below(&resolution, 1.0, one.as_ref(), observer));
     let x = [-2.7, 1.4];
     let drawn = [
-        finished!(bifurcation_panel(&work, "a", 0.5, WIDE, x, observer)),
-        finished!(bifurcation_panel(&work, "b", 1.0, WIDE, x, observer)),
+        finished!(bifurcation_panel(&resolution, "a", 0.5, WIDE, x, observer)),
+        finished!(bifurcation_panel(&resolution, "b", 1.0, WIDE, x, observer)),
         finished!(exponents_panel(
-            &work,
+            &resolution,
             "c",
             0.5,
             WIDE,
@@ -281,7 +282,7 @@ pub fn figure_3_2(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
             observer
         )),
         finished!(exponents_panel(
-            &work,
+            &resolution,
             "d",
             1.0,
             WIDE,
@@ -312,15 +313,16 @@ pub fn figure_3_2(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
         trivial_exponent(effort),
     ];
     let onsets = [half.as_ref(), one.as_ref()];
-    Ok(Some(outcome(&work, &damped(0.0), drawn, &onsets, rows)))
+    Ok(Some(outcome(&resolution, &damped(0.0), drawn, &onsets, rows)))
 }
 
-/// Below the onset, from the paper's value on and a little under it: whether any of many initial states leads to chaos there.
+/// Searches for chaos below the onset that was found, from many initial states; the range begins a little below the paper's
+/// value. Returns the remark on the result.
 fn below(
-    work: &Work,
+    resolution: &Resolution,
     h1: f64,
     found: Option<&Found>,
-    observer: &mut Observer<'_>,
+    observer: &mut Breaker<'_>,
 ) -> Result<Option<String>, PaperError> {
     const DEPTH: u32 = 40;
     let Some(found) = found else {
@@ -329,7 +331,7 @@ fn below(
     let mut starts = STARTS.to_vec();
     let settings = Settings {
         sampling: Sampling {
-            initial_states: work.tried - STARTS.len() as u32 + 1,
+            initial_states: resolution.tried - STARTS.len() as u32 + 1,
             ..Sampling::default()
         },
         ..Settings::default()
@@ -356,8 +358,8 @@ fn below(
     }))
 }
 
-/// The paper notes that one of the three exponents is always zero: the largest that the third vector gives at some points,
-/// by its own procedure.
+/// The paper notes that one of the three exponents is always zero. This row has the largest absolute value that the third vector
+/// gives at some points, by the paper's own procedure.
 fn trivial_exponent(effort: Effort) -> Row {
     let periods = match effort {
         Effort::Full => MEASURED,
@@ -387,7 +389,7 @@ fn trivial_exponent(effort: Effort) -> Row {
     )
 }
 
-/// The initial states that marked onsets were found from, to stand behind the list of those that were tried.
+/// The initial states from which the marked onsets were found, to print after the list of those that were tried.
 fn reached_from(onsets: &[Option<&Found>]) -> String {
     let starts: Vec<String> = onsets
         .iter()
@@ -402,7 +404,13 @@ fn reached_from(onsets: &[Option<&Found>]) -> String {
 }
 
 /// `onsets` are those that the panels are marked with, in the panels' order.
-fn outcome(work: &Work, at: &Fixed, drawn: [Drawn; 4], onsets: &[Option<&Found>], rows: Vec<Row>) -> Outcome {
+fn outcome(
+    resolution: &Resolution,
+    at: &Fixed,
+    drawn: [Drawn; 4],
+    onsets: &[Option<&Found>],
+    rows: Vec<Row>,
+) -> Outcome {
     let (panels, data): (Vec<Panel>, Vec<Data>) = drawn.into_iter().unzip();
     let outside: usize = panels.iter().map(charts::outside).sum();
     let mut numerics = format!(
@@ -410,9 +418,9 @@ fn outcome(work: &Work, at: &Fixed, drawn: [Drawn; 4], onsets: &[Option<&Found>]
          values; exponents: {MEASURED} measured periods at each of {} values. Dashed lines: the least ζₖ at which an orbit from one \
          of {} is chaotic{}. {}, {}. As in Awrejcewicz and Pyryev (2006). ",
         charts::start(START),
-        work.states,
-        work.columns,
-        work.exponents,
+        resolution.states,
+        resolution.columns,
+        resolution.exponents,
         STARTS.map(charts::start).join(", "),
         reached_from(onsets),
         caption::scheme(&Settings::default()),

@@ -5,7 +5,7 @@
 #![expect(clippy::unnecessary_wraps, reason = "all figures have one signature")]
 
 use super::table::{Row, Value};
-use super::{Data, Effort, Observer, Outcome, PaperError};
+use super::{Breaker, Data, Effort, Outcome, PaperError};
 use crate::analysis::path::path;
 use crate::backend::BackendKind;
 use crate::backend::cpu::CpuBackend;
@@ -24,21 +24,21 @@ use crate::picture::{caption, charts};
 /// The paper's gamma of heated curves, and its k_w of worn ones.
 const HEATED: f64 = 1.87;
 const WORN: f64 = 0.01;
-/// Its amplitudes of the shaft's speed.
+/// The paper's amplitudes of the shaft's speed.
 const LOW: f64 = 3.5;
 const HIGH: f64 = 3.9;
 
 /// What an effort means in numbers.
-struct Work {
+struct Resolution {
     /// Samples of a history in each forcing period.
     samples: u32,
-    /// Of the exponents and periods in figure 5.1.
+    /// Sampling for the exponents and periods in figure 5.1.
     sampling: Sampling,
-    /// Forcing periods of a chaotic orbit in it.
+    /// Forcing periods of a chaotic orbit that figure 5.1 shows.
     shown: u32,
 }
 
-impl Work {
+impl Resolution {
     fn new(effort: Effort) -> Self {
         match effort {
             Effort::Full => Self {
@@ -58,13 +58,13 @@ impl Work {
         }
     }
 
-    /// The full model's history from the start, whether or not there are heat and wear.
+    /// The history from the start. It is computed by the full model even without heat and wear.
     fn follow(&self, at: &ParameterSet, periods: u32) -> History {
         history(at, &Scheme::Radau.into(), 0..periods, self.samples)
     }
 }
 
-/// The parameters of the paper's section 5, with the three that its curves differ in.
+/// The parameters of the paper's section 5. Its curves differ in the three that are given.
 fn curve_at(zeta_k: f64, gamma: f64, k_w: f64) -> ParameterSet {
     Preset::Paper
         .parameters()
@@ -110,7 +110,7 @@ fn motion(m: &Measurement) -> Value {
     }
 }
 
-/// Forcing periods before what the phase plane shows, and those shown of a motion that repeats.
+/// Forcing periods before the part that the phase plane shows, and those that it shows of a motion that is not chaotic.
 const TRANSIENT: u32 = 150;
 const SHOWN: u32 = 4;
 
@@ -127,16 +127,16 @@ const ORBITS: [Orbit; 4] = [
 /// Digits that are written of an exponent.
 const DIGITS: usize = 4;
 
-pub fn figure_5_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<Outcome>, PaperError> {
-    let work = Work::new(effort);
+pub fn figure_5_1(effort: Effort, observer: &mut Breaker<'_>) -> Result<Option<Outcome>, PaperError> {
+    let resolution = Resolution::new(effort);
     let (mut orbits, mut rows, mut columns) = (Vec::new(), Vec::new(), table(&["curve", "tau", "x", "y"]));
     for (number, zeta_k, gamma, said) in ORBITS {
         let point = curve_at(zeta_k, gamma, 0.0);
-        let Some(m) = measured(&work, &point, observer)? else {
+        let Some(m) = measured(&resolution, &point, observer)? else {
             return Ok(None);
         };
         let is_chaotic = m.class == Some(Class::Chaotic);
-        let shown = if is_chaotic { work.shown } else { SHOWN };
+        let shown = if is_chaotic { resolution.shown } else { SHOWN };
         let settings = Settings {
             integration: Scheme::Radau.into(),
             sampling: Sampling {
@@ -145,7 +145,7 @@ pub fn figure_5_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
                 ..Sampling::default()
             },
         };
-        let path = path(&point, &settings, work.samples).points;
+        let path = path(&point, &settings, resolution.samples).points;
         if observer().is_break() {
             return Ok(None);
         }
@@ -162,7 +162,7 @@ pub fn figure_5_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
             (Value::words(m.class.map_or("-", Class::name)), "")
         };
         rows.push(Row::new(&format!("motion, {what}"), Value::words(said), computed, ""));
-        // where all written digits are sure, there is no uncertainty to write
+        // if all written digits are certain, no uncertainty is written
         let exponent = if m.lyapunov_error < 0.5e-4 {
             Value::number(m.lyapunov, DIGITS)
         } else {
@@ -177,7 +177,7 @@ pub fn figure_5_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
     }
     let numerics = format!(
         "After {TRANSIENT} forcing periods; {} of a chaotic orbit, {SHOWN} of others. ",
-        work.shown
+        resolution.shown
     );
     let panel = charts::phase("", &orbits, Some(ANGLES), Some(SPEEDS));
     let caption = words(&curve_at(HIGH, 0.0, 0.0), &[Parameter::Gamma], "5.1", &numerics);
@@ -188,28 +188,32 @@ pub fn figure_5_1(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
 const ANGLES: [f64; 2] = [-2.5, 2.5];
 const SPEEDS: [f64; 2] = [-4.5, 4.5];
 
-fn measured(work: &Work, point: &ParameterSet, observer: &mut Observer<'_>) -> Result<Option<Measurement>, PaperError> {
+fn measured(
+    resolution: &Resolution,
+    point: &ParameterSet,
+    observer: &mut Breaker<'_>,
+) -> Result<Option<Measurement>, PaperError> {
     let design = Design::product(Vec::new(), (*point).into());
     let mut backends = Backends::new(Box::new(CpuBackend::new(Precision::F64)), None);
     let observer = &mut |_: crate::engine::Event<'_>| observer();
     let settings = Settings {
-        integration: Scheme::suited(point.is_rubbed()).into(),
-        sampling: work.sampling,
+        integration: Scheme::suited(point.has_heat_or_wear()).into(),
+        sampling: resolution.sampling,
     };
     let measured = backends.measure(&design, &settings, &[0], observer)?;
     Ok(measured.map(|measured| measured[0]))
 }
 
-/// Forcing periods after which pressure and wear have come within a hundredth of where they tend.
+/// Forcing periods after which pressure and wear are nearer than 0.01 to their limits.
 const SETTLING: u32 = 100;
-/// How near that is.
+/// Distance at which pressure and wear count as near their limits.
 const NEAR: f64 = 0.01;
 
-pub fn figure_5_2(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<Outcome>, PaperError> {
-    let work = Work::new(effort);
+pub fn figure_5_2(effort: Effort, observer: &mut Breaker<'_>) -> Result<Option<Outcome>, PaperError> {
+    let resolution = Resolution::new(effort);
     let (mut drawn, mut rows, mut columns) = (Vec::new(), Vec::new(), table(&["curve", "tau", "pressure", "wear"]));
     for (number, zeta_k) in [(1, LOW), (2, HIGH)] {
-        let history = work.follow(&curve_at(zeta_k, 0.0, WORN), SETTLING);
+        let history = resolution.follow(&curve_at(zeta_k, 0.0, WORN), SETTLING);
         if observer().is_break() {
             return Ok(None);
         }
@@ -265,7 +269,7 @@ pub fn figure_5_2(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
 
 /// The end of figure 5.2's axis of time.
 const PRESSURES_END: f64 = 120.0;
-/// That of figures 5.3 and 5.4, whose ticks end at 60 and whose curves go on to 72.
+/// The end of the axis of time of figures 5.3 and 5.4; their ticks end at 60, and their curves go on to 72.
 const CONTACT_END: f64 = 75.0;
 
 /// Forcing periods that reach beyond an end of an axis of time.
@@ -273,11 +277,11 @@ fn beyond(end: f64) -> u32 {
     (end / ParameterSet::default().forcing_period()).ceil() as u32
 }
 
-pub fn figure_5_3(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<Outcome>, PaperError> {
-    let work = Work::new(effort);
+pub fn figure_5_3(effort: Effort, observer: &mut Breaker<'_>) -> Result<Option<Outcome>, PaperError> {
+    let resolution = Resolution::new(effort);
     let (mut drawn, mut rows, mut columns) = (Vec::new(), Vec::new(), table(&["tau", "pressure"]));
     for (zeta_k, tau_c, digits) in [(HIGH, 72.0, 0), (LOW, 65.8, 1)] {
-        let history = work.follow(&curve_at(zeta_k, HEATED, WORN), beyond(CONTACT_END));
+        let history = resolution.follow(&curve_at(zeta_k, HEATED, WORN), beyond(CONTACT_END));
         if observer().is_break() {
             return Ok(None);
         }
@@ -325,13 +329,13 @@ pub fn figure_5_3(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<
     Ok(Some(single(panel, caption, rows, columns)))
 }
 
-pub fn figure_5_4(effort: Effort, observer: &mut Observer<'_>) -> Result<Option<Outcome>, PaperError> {
-    let work = Work::new(effort);
+pub fn figure_5_4(effort: Effort, observer: &mut Breaker<'_>) -> Result<Option<Outcome>, PaperError> {
+    let resolution = Resolution::new(effort);
     let (mut drawn, mut rows, mut columns) = (Vec::new(), Vec::new(), table(&["curve", "tau", "wear"]));
     let mut cold = None;
     for (number, zeta_k, gamma) in [(2, HIGH, 0.0), (3, LOW, HEATED), (4, HIGH, HEATED)] {
         let periods = if gamma > 0.0 { beyond(CONTACT_END) } else { SETTLING };
-        let history = work.follow(&curve_at(zeta_k, gamma, WORN), periods);
+        let history = resolution.follow(&curve_at(zeta_k, gamma, WORN), periods);
         if observer().is_break() {
             return Ok(None);
         }
@@ -400,7 +404,7 @@ fn until(samples: &[Sample], end: f64, value: fn(&Sample) -> f64) -> Vec<[f64; 2
     curve(&samples[..(shown + 1).min(samples.len())], value)
 }
 
-/// A quantity between samples.
+/// A quantity at the time `tau`, interpolated between samples.
 fn at_time(samples: &[Sample], tau: f64, value: fn(&Sample) -> f64) -> Option<f64> {
     let next = samples.partition_point(|sample| sample.tau < tau);
     let (before, after) = (samples.get(next.checked_sub(1)?)?, samples.get(next)?);
@@ -417,8 +421,8 @@ fn single(panel: Panel, caption: Vec<String>, rows: Vec<Row>, data: Data) -> Out
     }
 }
 
-/// The caption of a figure whose curves differ in zeta_k and in what is `varied`; the numbers of all curves are told, since one
-/// number means one curve in all figures.
+/// The caption of a figure whose curves differ in zeta_k and in the `varied` parameters. It explains the numbers of all curves,
+/// since a number means the same curve in all figures.
 fn words(at: &ParameterSet, varied: &[Parameter], id: &str, numerics: &str) -> Vec<String> {
     let settings = Settings::from(Scheme::Radau);
     // there is no ramp

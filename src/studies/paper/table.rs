@@ -9,18 +9,18 @@ use serde::{Deserialize, Serialize};
 /// A row of the table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// What is meant, with the parameters.
+    /// The quantity or property that is compared, with the parameters.
     pub what: String,
     /// What the paper says.
     pub paper: Value,
     /// What the program computed.
     pub computed: Value,
-    /// What a reader should know of the difference, or of how it was established.
+    /// A remark on the difference, or on how the computed value was found.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub remark: String,
 }
 
-/// Something that is said or computed.
+/// A statement of the paper, or a result of the program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Value {
@@ -91,7 +91,7 @@ impl Row {
         }
     }
 
-    /// Computed less said, or whether the two agree.
+    /// The computed value minus the paper's, or whether the two agree.
     pub fn difference(&self) -> String {
         match (&self.paper, &self.computed) {
             (

@@ -1,7 +1,8 @@
-//! What host and device share in memory: the structs of `shaders/shared/bindings.wgsl`, field by field, and the
+//! Data that host and device share in memory: the structs of `shaders/shared/bindings.wgsl`, field by field, and the
 //! bindings' numbers.
 //!
-//! Owns the passage from parameters and settings to these structs, and back to what a run has shown; neither allocates nor dispatches.
+//! Owns the conversion of parameters and settings to these structs, and of these structs to results; neither allocates nor
+//! dispatches.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -44,16 +45,16 @@ pub static BINDINGS: [Binding; 9] = [
     ),
 ];
 
-/// Entries of the drive table, as large as every device allows a uniform buffer to be (64 KiB).
+/// Entries of the drive table. It has 64 KiB, a size that every device allows for a uniform buffer.
 const DRIVE_ENTRIES: usize = 4096;
 
-/// sin z at the [middle, end] of two steps an entry.
+/// The drive table: each entry has sin z at the [middle, end] of two steps.
 type Drive = [[[f32; 2]; 2]; DRIVE_ENTRIES];
 
-/// The drive table holds two steps an entry.
+/// Steps that the drive table holds, two in each entry.
 pub(super) const MAX_STEPS_PER_PERIOD: u32 = 2 * DRIVE_ENTRIES as u32;
 
-/// What all instances of a batch share.
+/// Data that all instances of a batch share.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Run {
@@ -193,7 +194,7 @@ impl From<Totals> for Sums {
     }
 }
 
-/// The drive table as the shader reads it: [middle, end] of two steps an entry, the rest zero.
+/// The drive table as the shader reads it: [middle, end] of two steps in each entry. Unused entries are zero.
 pub fn drive_entries(steps_per_period: u32) -> Vec<[[f32; 2]; 2]> {
     let mut entries = vec![[[0.0; 2]; 2]; DRIVE_ENTRIES];
     for (entry, steps) in entries

@@ -1,6 +1,6 @@
 //! The shaders of the reduced model, one a scheme: their files, kernels and constants.
 //!
-//! Owns which files there are and in what order; how they are put together, [`Shader`] knows.
+//! Owns which files there are and in what order; [`Shader`] knows how they are put together.
 
 use super::super::shader_source::{EntryPoint, Kernel, Shader, source_files};
 use crate::dynamics::divergence_check::CHECKED_EVERY;

@@ -1,13 +1,13 @@
-//! What host and device share in memory: the structs of `shaders/shared/rubbed_bindings.wgsl`, field by field, and the
+//! Data that host and device share in memory: the structs of `shaders/shared/rubbed_bindings.wgsl`, field by field, and the
 //! bindings' numbers.
 //!
-//! Owns the passage from parameters and settings to these structs, and back to what a run has shown; neither allocates nor
+//! Owns the conversion of parameters and settings to these structs, and of these structs to results; neither allocates nor
 //! dispatches.
 
 use bytemuck::{Pod, Zeroable};
 
 use super::super::layout::Access::{Read, ReadWrite, Uniform};
-use super::super::layout::{Binding, Count, Span, last_states};
+use super::super::layout::{Binding, Count, Span, last_states, slots};
 use crate::backend::{Contact, EndState, Instance, Sums};
 use crate::dynamics::adaptive::{self, Control, System, Tangent};
 use crate::dynamics::stroboscope;
@@ -52,21 +52,16 @@ pub static BINDINGS: [Binding; 9] = [
     Binding::of::<Totals>(binding::TOTALS, "totals", ReadWrite, Count::Instances),
 ];
 
-/// Heat modes of an instance: `modes` and the lumped one.
-pub(in crate::backend::gpu) fn slots(modes: u32) -> u32 {
-    modes + 1
-}
-
 fn heat_modes(settings: &Settings) -> usize {
     slots(settings.integration.modes) as usize
 }
 
-/// With those of the tangents.
+/// Elements for the heat modes of an instance and for those of its tangent vector.
 fn mode_states(settings: &Settings) -> usize {
     2 * heat_modes(settings)
 }
 
-/// What all instances of a batch share.
+/// Data that all instances of a batch share.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Run {
@@ -142,7 +137,7 @@ impl Parameters {
             epsilon_0: value(Parameter::Epsilon0),
             gamma: value(Parameter::Gamma),
             k_w: value(Parameter::KW),
-            // shaders may assume that nothing is infinite
+            // compilers of shaders may assume that no number is infinite
             ramp_rate: value(Parameter::RampRate).min(f32::MAX),
             period: set.forcing_period() as f32,
             surface_temperature: heat.surface_temperature as f32,
@@ -246,7 +241,7 @@ impl Orbit {
         }
     }
 
-    /// What is left of the instance `set`.
+    /// The end state of the instance with the parameters `set`.
     pub fn end_state(&self, set: &ParameterSet) -> EndState {
         let tau = |periods: f32, time: f32| f64::from(periods) * set.forcing_period() + f64::from(time);
         let ramp = set[Parameter::RampRate] * tau(self.periods, 0.0).powi(2);

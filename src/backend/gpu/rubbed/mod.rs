@@ -1,4 +1,4 @@
-//! The full model on a GPU: bushes whose contact pressure frictional heat and wear change, by `radau`.
+//! The full model on a GPU: frictional heat and wear change the contact pressure of bushes. Its scheme is `radau`.
 //!
 //! Owns what its buffers are filled with, which of its kernels carries a period on, and how results are read.
 
@@ -8,7 +8,7 @@ pub(super) mod shader_source;
 use self::layout::{HeatMode, Orbit, Parameters, Run, Totals, binding};
 use super::buffers::Buffers;
 use super::context::GpuContext;
-use super::layout::{Binding, birkhoff_weights};
+use super::layout::{Binding, birkhoff_weights, slots};
 use super::model::Model;
 use super::pacer::Pace;
 use super::shader_source::{Kernel, Lanes, Shape};
@@ -17,12 +17,12 @@ use crate::experiment::{MAX_MODES, Settings};
 use crate::model::rubbing::Spectra;
 use crate::parameters::ParameterSet;
 
-/// A forcing period in the units of the pacer, which are steps of a fixed scheme: some two hundred passes, each of them
-/// worth thirty.
+/// The cost of a forcing period in the units of the pacer, steps of a scheme with a fixed step. A period has about two hundred
+/// passes, and each pass costs as much as thirty such steps.
 const STEPS_PER_PERIOD: u32 = 6000;
 
-/// Most periods of a dispatch: a thread that needs all the passes that a period may take keeps the device busy for some
-/// tenths of a second.
+/// Most periods of a dispatch: if a thread needs all the passes that a period may take, it keeps the device busy for some tenths
+/// of a second.
 const MOST_PERIODS: u32 = 4;
 
 /// A batch's model.
@@ -33,7 +33,7 @@ pub(super) struct Rubbed {
 
 impl Rubbed {
     /// # Errors
-    /// If there are more heat modes, or fewer, than arrays in kernels hold.
+    /// If arrays in kernels cannot hold this number of heat modes.
     pub fn new(settings: &Settings, instances: &[Instance]) -> Result<Self, BackendError> {
         let modes = settings.integration.modes;
         if !(1..=MAX_MODES).contains(&modes) {
@@ -77,7 +77,7 @@ impl Model for Rubbed {
     }
 
     fn fill(&self, context: &GpuContext, buffers: &Buffers, settings: &Settings, instances: &[Instance]) {
-        let slots = layout::slots(self.modes) as usize;
+        let slots = slots(self.modes) as usize;
         let mut heat_modes = vec![HeatMode { rate: 0.0, weight: 0.0 }; slots * instances.len()];
         let spectra = Spectra::new(&self.points, self.modes as usize);
         let (parameters, orbits): (Vec<_>, Vec<_>) = instances

@@ -1,13 +1,13 @@
 //! The shader of the full model: its files, kernels and constants.
 //!
-//! Owns which files there are and in what order; how they are put together, [`Shader`] knows.
+//! Owns which files there are and in what order; [`Shader`] knows how they are put together.
 
 use super::super::shader_source::{EntryPoint, Kernel, Shader, source_files};
 use crate::dynamics::adaptive::PRESSURE_BOUND;
 use crate::dynamics::adaptive::accepted::ROUGH;
 use crate::dynamics::adaptive::events::{CUT, FIRST_PART};
-use crate::dynamics::adaptive::orbit::{PASS_BUDGET, SETTLING_PASSES};
 use crate::dynamics::adaptive::pass::{LARGE_SPEED, PRESSURE_FLOOR, REJECTED, SAFETY, SHORTEST_STEP};
+use crate::dynamics::adaptive::period::{PASS_BUDGET, SETTLING_PASSES};
 use crate::dynamics::radau::{ERROR_WEIGHT, MAX_ITERATIONS};
 use crate::dynamics::stroboscope::LEAST_WINDOW;
 use crate::dynamics::tangent::{COMFORTABLE, SMALLEST_SQUARE};
