@@ -23,19 +23,21 @@
 //! | to | call |
 //! | --- | --- |
 //! | make an experiment | [`Experiment::builder`], with [`Axis`], [`Points`], [`Preset`] and machines ([`Description`]); [`Request::from_toml`] reads a file |
-//! | run it | [`run`] into memory; [`run_into`] into a [`MapStore`], or into a [`Sink`] of your own, with an observer that may stop it |
+//! | run it | [`run`] into memory; [`run_into`] into a [`Store`], or into a [`Sink`] of your own, with an observer that may stop it |
 //! | look at the results | [`Results`]: a column for each [`Quantity`], and the [`Class`] of a point; [`ParameterMap`]: the same over two axes, with [`map::border`] |
 //! | draw them | [`draw`]; with another style [`picture::draw`] |
-//! | store and open them | [`MapStore::create`], [`MapStore::open`] |
+//! | store and open them | [`Store::create`], [`Store::open`] |
 //! | follow a point over time | [`analysis::history`] |
 //! | find onsets, sections, thresholds | [`analysis`] |
 //!
-//! The folder `examples/` has five short programs. Everything else is a part that these are made of: `lanes`, `dynamics`, `backend`,
-//! `output` and `studies` are open to this project's own tests, benchmarks and program only, and may change at any time.
+//! The folder `examples/` has five short programs. All other items are parts of those in the table. The modules `lanes`,
+//! `dynamics`, `backend`, `output` and `studies` are public only for this project's own tests, benchmarks and program, and may
+//! change at any time.
 //!
 //! # Features
 //!
-//! All are on by default; without them the library has no heavy dependency, and computes on the CPU into memory.
+//! All are on by default. Without them the library has no heavy dependency; it computes on the CPU and keeps the results in
+//! memory.
 //!
 //! - `gpu`: computing on a GPU by wgpu;
 //! - `pictures`: maps and charts as PNG and SVG;
@@ -44,18 +46,18 @@
 //!
 //! # Layers
 //!
-//! From the bottom to the top; nothing knows of what stands below it in this list:
+//! From the lowest layer to the highest. A layer uses only layers that are listed before it:
 //!
 //! - [`parameters`], [`machine`], [`design`]: the dimensionless quantities of the system, a machine in SI units that gives
 //!   them, and axes over either;
 //! - [`lanes`], [`model`]: numbers and physics;
 //! - [`experiment`], [`dynamics`]: what is computed, and the algorithms over the physics;
 //! - [`backend`]: batches of instances on the CPU or a GPU;
-//! - [`measure`]: what is measured of a point, and when that is known;
-//! - [`results`], [`map`]: columns over a design; those over two axes, and the border of chaos;
-//! - [`engine`]: an experiment is cut into units, which are measured one by one and given to a sink; the audit;
+//! - [`measure`]: what is measured of a point, and when its run can end early;
+//! - [`results`], [`map`]: columns over a design; results over two axes, and the border of chaos;
+//! - [`engine`]: divides an experiment into units, measures them one by one and gives them to a sink; the audit;
 //! - [`analysis`]: orbits, bifurcation diagrams, sections, exponents over a line, thresholds, lifetimes of chaos;
-//! - [`output`]: files that are there whole or not at all, and tables of numbers;
+//! - [`output`]: files that are written completely or not at all, and tables of numbers;
 //! - [`store`]: maps on disk as Zarr;
 //! - [`picture`]: maps and charts as PNG and SVG;
 //! - [`studies`]: benchmarks, and the paper's figures and numbers, computed anew.
@@ -93,9 +95,9 @@ pub use self::map::ParameterMap;
 pub use self::measure::{Class, Measurement, Quantity, Status};
 pub use self::results::Results;
 #[cfg(feature = "store")]
-pub use self::store::MapStore;
+pub use self::store::Store;
 
-/// The programs of the manual's page on the library are compiled with the tests.
+/// Compiles the programs on the manual's page about the library, as a part of the tests.
 #[cfg(all(doctest, feature = "pictures"))]
 #[doc = include_str!("../docs/library.md")]
 struct LibraryPage;
@@ -103,7 +105,7 @@ struct LibraryPage;
 /// Draws a quantity of a map into a PNG file that carries the experiment.
 ///
 /// # Errors
-/// If the picture cannot be drawn, or not be written.
+/// If the picture cannot be drawn or written.
 #[cfg(feature = "pictures")]
 pub fn draw(
     map: &ParameterMap,

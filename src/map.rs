@@ -37,7 +37,7 @@ impl TryFrom<Results> for ParameterMap {
     }
 }
 
-/// Results that are no map.
+/// The error for results that do not have two axes.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("a map has two axes, and the results have {axes}: draw them as a line, or compute them over two axes")]
 pub struct NoMap {
@@ -45,10 +45,10 @@ pub struct NoMap {
 }
 
 impl ParameterMap {
-    /// A map of which nothing is computed yet.
+    /// A map in which no point is computed yet.
     ///
     /// # Errors
-    /// If the experiment has not two axes.
+    /// If the experiment does not have two axes.
     pub fn new(experiment: Experiment) -> Result<Self, NoMap> {
         Results::new(experiment).try_into()
     }
@@ -64,30 +64,31 @@ impl ParameterMap {
     }
 }
 
-/// A change between chaos and motion that is regular or quasi-periodic, from a point of a row or a column to the next that is
-/// decided.
+/// A change between a chaotic point and a regular or quasi-periodic one. The two points lie in one row or one column. All points
+/// between them, if there are any, are of neither kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Change {
     /// The axis along which the two points lie: 0 for x, 1 for y.
     pub along: usize,
     /// The middle between the two points, (x, y).
     pub place: [f64; 2],
-    /// Half of their distance.
+    /// Half of the distance between the two points.
     pub half_width: f64,
-    /// Whether chaos begins where the axis' coordinate rises, whichever way the axis runs; else it ends.
+    /// Whether chaos begins (true) or ends (false) as the coordinate of the axis increases. The direction of the axis does not
+    /// matter.
     pub begins: bool,
 }
 
-/// Whether the chaos of a map has a border: not where points have no class, since the contact wears everywhere, nor where an
-/// axis is an initial state, which tells attractors apart, not parameters.
+/// Whether a map has a border of chaos. It has none if the contact wears at every point, since such points have no class. It
+/// has none if an axis is an initial state, since initial states select among attractors, not among parameters.
 pub fn has_border(experiment: &Experiment) -> bool {
     let is_initial = |axis: &Axis| [Parameter::X0.into(), Parameter::Y0.into()].contains(&axis.coordinate);
     !experiment.design.axes().iter().any(is_initial) && experiment.extent(Parameter::KW).0 == 0.0
 }
 
-/// The border of chaos: all changes along rows, then all along columns. Points between the two of a change, that are undecided
-/// or unstable, ran away or are under-resolved, make its bracket wider; across points that are not computed there is none.
-/// Empty for a map without a border.
+/// The border of chaos: all changes along rows, then all along columns. Points that are undecided or unstable, ran away or are
+/// under-resolved may lie between the two points of a change; they make its bracket wider. There is no change across points that
+/// are not computed. Empty for a map without a border.
 pub fn border(map: &ParameterMap) -> Vec<Change> {
     if !has_border(&map.experiment) {
         return Vec::new();
@@ -95,8 +96,9 @@ pub fn border(map: &ParameterMap) -> Vec<Change> {
     changes(map, &motions(map))
 }
 
-/// The border as it is drawn, so that it can be followed: between regions of at least [`least_region`] points, where open
-/// points that are no more than [`CLOSED`] points from decided ones count as most of their neighbours.
+/// The border as it is drawn, simplified so that the eye can follow it. Open points (neither chaotic, regular nor quasi-periodic)
+/// that are at most [`CLOSED`] points away from others take the kind of most of their neighbours. Regions of fewer than
+/// [`least_region`] points are left out.
 pub fn drawn_border(map: &ParameterMap) -> Vec<Change> {
     if !has_border(&map.experiment) {
         return Vec::new();
@@ -104,44 +106,44 @@ pub fn drawn_border(map: &ParameterMap) -> Vec<Change> {
     let columns = map.x_axis().count();
     let mut motions = motions(map);
     close(&mut motions, columns);
-    // islands first, so that where chaos and gaps are both in crumbs there is no chaos
-    for region in [Motion::Chaos, Motion::Order] {
+    // islands of chaos first: where chaos and the gaps in it are both small, the result is no chaos
+    for region in [Side::Chaos, Side::NotChaotic] {
         fill_small(&mut motions, region, columns, least_region(map));
     }
     changes(map, &motions)
 }
 
-/// How far what is decided reaches into what is not, in points, where the border is drawn.
+/// Width of the edge of an open region that is filled from its neighbours in the drawn border, in points.
 pub const CLOSED: usize = 2;
 
-/// The least points of an island of chaos, and of a gap in it, whose border is drawn: a 4000th of the map, which is a square of 12
-/// pixels in a picture of the usual size.
+/// The least number of points of an island of chaos, or of a gap in chaos, whose border is drawn. It is a 4000th of the map,
+/// which is a square of 12 pixels in a picture of the usual size.
 pub fn least_region(map: &ParameterMap) -> usize {
     map.experiment.design.len().div_ceil(4000)
 }
 
-/// What the border tells apart.
+/// The kind of motion at a point, as far as the border distinguishes it.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Motion {
+enum Side {
     Chaos,
     /// Regular or quasi-periodic.
-    Order,
-    /// Neither is known, or neither is the case.
+    NotChaotic,
+    /// Neither of the two, or not known which: undecided, unstable, runaway or under-resolved.
     Open,
     NotComputed,
 }
 
-fn motions(map: &ParameterMap) -> Vec<Motion> {
+fn motions(map: &ParameterMap) -> Vec<Side> {
     let motion = |index| match map.class(index) {
-        _ if !map.is_computed(index) => Motion::NotComputed,
-        Some(Class::Chaotic) => Motion::Chaos,
-        Some(Class::Regular | Class::QuasiPeriodic) => Motion::Order,
-        Some(Class::Undecided | Class::Unstable) | None => Motion::Open,
+        _ if !map.is_computed(index) => Side::NotComputed,
+        Some(Class::Chaotic) => Side::Chaos,
+        Some(Class::Regular | Class::QuasiPeriodic) => Side::NotChaotic,
+        Some(Class::Undecided | Class::Unstable) | None => Side::Open,
     };
     (0..map.experiment.design.len()).map(motion).collect()
 }
 
-fn changes(map: &ParameterMap, motions: &[Motion]) -> Vec<Change> {
+fn changes(map: &ParameterMap, motions: &[Side]) -> Vec<Change> {
     let axes = [map.x_axis(), map.y_axis()];
     let values = axes.map(Axis::values);
     let mut changes = Vec::new();
@@ -157,10 +159,10 @@ fn changes(map: &ParameterMap, motions: &[Motion]) -> Vec<Change> {
                     here * other.count() + line
                 };
                 let begins = match motions[index] {
-                    Motion::Chaos => true,
-                    Motion::Order => false,
-                    Motion::Open => continue,
-                    Motion::NotComputed => {
+                    Side::Chaos => true,
+                    Side::NotChaotic => false,
+                    Side::Open => continue,
+                    Side::NotComputed => {
                         last = None;
                         continue;
                     }
@@ -185,7 +187,7 @@ fn changes(map: &ParameterMap, motions: &[Motion]) -> Vec<Change> {
     changes
 }
 
-/// The points above, below and to the sides.
+/// The points above, below, to the left and to the right.
 fn neighbours(index: usize, columns: usize, points: usize) -> impl Iterator<Item = usize> {
     let column = index % columns;
     let all = [
@@ -197,38 +199,39 @@ fn neighbours(index: usize, columns: usize, points: usize) -> impl Iterator<Item
     all.into_iter().flatten()
 }
 
-/// Gives open points what most of their decided neighbours are, no chaos where there are as many of both, point by point into the
-/// open; beyond [`CLOSED`] points they part what is on either side.
-fn close(motions: &mut [Motion], columns: usize) {
+/// Fills open regions from their edges, by one point in each of [`CLOSED`] passes: an open point takes the motion of most of its
+/// chaotic or ordered neighbours, and order if there are as many of both. Points that are still open count as not computed then,
+/// so that there is no border across them.
+fn close(motions: &mut [Side], columns: usize) {
     for _ in 0..CLOSED {
         let before = motions.to_vec();
         for (index, motion) in motions
             .iter_mut()
             .enumerate()
-            .filter(|(_, motion)| **motion == Motion::Open)
+            .filter(|(_, motion)| **motion == Side::Open)
         {
             let count = |what| {
                 let beside = neighbours(index, columns, before.len());
                 beside.filter(|&there| before[there] == what).count()
             };
-            match (count(Motion::Chaos), count(Motion::Order)) {
+            match (count(Side::Chaos), count(Side::NotChaotic)) {
                 (0, 0) => {}
-                (chaos, order) if chaos > order => *motion = Motion::Chaos,
-                _ => *motion = Motion::Order,
+                (chaos, order) if chaos > order => *motion = Side::Chaos,
+                _ => *motion = Side::NotChaotic,
             }
         }
     }
-    for motion in motions.iter_mut().filter(|motion| **motion == Motion::Open) {
-        *motion = Motion::NotComputed;
+    for motion in motions.iter_mut().filter(|motion| **motion == Side::Open) {
+        *motion = Side::NotComputed;
     }
 }
 
-/// Gives regions of fewer than `least` points of chaos or of order the other of the two.
-fn fill_small(motions: &mut [Motion], region: Motion, columns: usize, least: usize) {
-    let filled = if region == Motion::Chaos {
-        Motion::Order
+/// Changes regions of fewer than `least` points from chaos to order, or from order to chaos; `region` tells from which.
+fn fill_small(motions: &mut [Side], region: Side, columns: usize, least: usize) {
+    let filled = if region == Side::Chaos {
+        Side::NotChaotic
     } else {
-        Motion::Chaos
+        Side::Chaos
     };
     let mut seen = vec![false; motions.len()];
     for start in 0..motions.len() {
@@ -260,12 +263,13 @@ mod tests {
     use crate::backend::BackendKind;
     use crate::experiment::Request;
     use crate::measure::{Measurement, Quantity};
+    use crate::results::{Column, NO_CODE};
 
     const C: Option<Class> = Some(Class::Chaotic);
     const R: Option<Class> = Some(Class::Regular);
     const U: Option<Class> = Some(Class::Undecided);
 
-    /// What `classes` do not reach is not computed; None is a runaway.
+    /// A map whose first points have these classes, where None is a runaway. All further points are not computed.
     fn map(x: &str, y: &str, classes: &[Option<Class>]) -> ParameterMap {
         let request = Request {
             axes: Some(vec![Axis::parse(x).unwrap(), Axis::parse(y).unwrap()]),
@@ -299,7 +303,7 @@ mod tests {
             row(x, &[R, R, C, R, C]),
             [(1.5, 0.5, true), (2.5, 0.5, false), (3.5, 0.5, true)]
         );
-        // what is not decided widens the bracket, whatever it is, and makes no change where both sides are alike
+        // open points of every kind widen the bracket; between two points of the same kind they make no change
         for open in [U, None, Some(Class::Unstable)] {
             assert_eq!(row(x, &[R, open, C, open, C]), [(1.0, 1.0, true)]);
             assert_eq!(row(x, &[open, C, open, open, R]), [(2.5, 1.5, false)]);
@@ -314,7 +318,7 @@ mod tests {
         let mut map = map("zeta_k=0:4:5", "h1=0:1:2", &[R, R, C, C, R]);
         let row = |map: &ParameterMap| border(map).iter().map(|change| change.place[0]).collect::<Vec<_>>();
         assert_eq!(row(&map), [1.5, 3.5]);
-        map.column_mut(Quantity::Status)[3] = f64::NAN;
+        map.replace(Quantity::Status, 3, &Column::Code(vec![NO_CODE]));
         assert_eq!(row(&map), [1.5]);
     }
 
@@ -354,14 +358,14 @@ mod tests {
 
     #[test]
     fn small_islands_and_gaps_are_not_drawn_and_open_points_hide_no_border() {
-        // 120 x 100 points: regions of fewer than 3
+        // 120 x 100 points: regions of fewer than 3 points are left out
         let mut rows = vec![format!("{}{}", ".".repeat(60), "#".repeat(60)); 100];
         rows[10].replace_range(10..12, "##");
         rows[10].replace_range(90..92, "..");
         rows[20].replace_range(10..13, "###");
-        // an open point counts as most of its neighbours
+        // an open point takes the kind of most of its neighbours
         rows[30].replace_range(60..61, "?");
-        // open regions of three points to either side part what they lie between
+        // an open region of three points on either side of the border: there is no border across it
         for row in &mut rows[50..57] {
             row.replace_range(57..63, "??????");
         }

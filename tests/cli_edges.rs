@@ -210,7 +210,7 @@ fn a_signal_is_told_by_its_name_and_one_that_is_ignored_stays_ignored() {
         code == Some(143) && said.contains("stopped by SIGTERM"),
         "{code:?}: {said}"
     );
-    assert!(said.contains("tiles are finished and kept in m.zarr"), "{said}");
+    assert!(said.contains("units are finished and kept in m.zarr"), "{said}");
 }
 
 #[test]

@@ -152,8 +152,8 @@ fn a_map_whose_gpu_is_lost_is_finished_on_the_cpu() {
                     device.destroy();
                 }
             }
-            Event::Found(_) => {}
             Event::FellBack { error, device } => fell_back.push(format!("{error}; {device}")),
+            _ => {}
         }
         ControlFlow::Continue(())
     };
@@ -182,7 +182,7 @@ fn a_map_whose_gpu_is_lost_is_finished_on_the_cpu() {
         );
     }
     assert_eq!(
-        map(&experiment, &measurements).column(Quantity::Backend)[0],
+        map(&experiment, &measurements).value(Quantity::Backend, 0),
         f64::from(BackendKind::GpuF32 as u8)
     );
 }

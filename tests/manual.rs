@@ -69,7 +69,9 @@ fn shortened(command: &str) -> String {
             *word = format!("{head}:{}", count.min(VALUES));
         }
     }
-    if let Some(at) = words.iter().position(|word| word == "--points") {
+    if let Some(at) = words.iter().position(|word| word == "--points")
+        && words[1] == "poincare"
+    {
         words[at + 1] = STATES.into();
     }
     if let Some(at) = words.iter().position(|word| word == "--lifetime") {

@@ -5,13 +5,15 @@
 
 use std::path::Path;
 use std::process::Command;
+use std::time::Duration;
 
 use tribochaos::backend::BackendKind;
 use tribochaos::design::Axis;
+use tribochaos::engine::{Origin, Sink};
 use tribochaos::experiment::Request;
 use tribochaos::machine::{Description, TEMPLATE};
-use tribochaos::measure::{Class, Measurement, Status};
-use tribochaos::store::MapStore;
+use tribochaos::measure::{Class, Measurement, Quantity, Status};
+use tribochaos::store::Store;
 
 fn has_xarray() -> bool {
     let found = Command::new("python3").args(["-c", "import xarray, zarr"]).output();
@@ -45,11 +47,9 @@ fn xarray_opens_the_store_of_a_machine() {
         machine: Some(Description::from_toml(TEMPLATE).unwrap()),
         ..Request::default()
     };
-    let store = MapStore::create(&path, &experiment.resolve().unwrap(), [2, 3]).unwrap();
-    for tile in store.tiles() {
-        let measurements: Vec<Measurement> = tile.indices(3).map(measurement).collect();
-        store.write_tile(&tile, &measurements).unwrap();
-    }
+    let experiment = experiment.resolve().unwrap();
+    let store = Store::create(&path, &experiment, &Quantity::of_map(&experiment), 6).unwrap();
+    write(store, |_| true);
     check("xarray_opens_machine.py", &path);
 }
 
@@ -61,23 +61,16 @@ fn xarray_opens_the_store() {
 
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("sample.zarr");
-    let x = Axis::parse("zeta_k=0:12:7").unwrap();
     // an axis and quantities whose names are alike: x0, x, x_min
     let y = Axis::parse("x0=1:-1:5").unwrap();
     let experiment = Request {
-        axes: Some(vec![x.clone(), y]),
+        axes: Some(vec![Axis::parse("zeta_k=0:12:7").unwrap(), y]),
         ..Request::default()
     }
     .resolve()
     .unwrap();
-    let mut store = MapStore::create(&path, &experiment, [2, 3]).unwrap();
-    store
-        .set_attribute("devices", serde_json::json!(["a processor"]))
-        .unwrap();
-    for tile in store.tiles().skip(1) {
-        let measurements: Vec<Measurement> = tile.indices(x.count()).map(measurement).collect();
-        store.write_tile(&tile, &measurements).unwrap();
-    }
+    let store = Store::create(&path, &experiment, &Quantity::all(), 14).unwrap();
+    write(store, |unit| unit > 0);
     check("xarray_opens.py", &path);
 }
 
@@ -95,8 +88,22 @@ fn xarray_selects_by_decimals() {
         ]),
         ..Request::default()
     };
-    MapStore::create(&path, &experiment.resolve().unwrap(), [301, 201]).unwrap();
+    let experiment = experiment.resolve().unwrap();
+    Store::create(&path, &experiment, &[Quantity::Lyapunov], 301 * 201).unwrap();
     check("xarray_selects.py", &path);
+}
+
+/// Writes units of a store.
+fn write(store: Store, is_written: impl Fn(usize) -> bool) {
+    let mut store = store.writing(None).unwrap();
+    let origin = Origin {
+        device: "a processor".to_owned(),
+        elapsed: Duration::from_secs(1),
+    };
+    for unit in (0..store.units()).filter(|&unit| is_written(unit)) {
+        let measurements: Vec<Measurement> = store.points(unit).map(measurement).collect();
+        store.write(unit, &measurements, &origin).unwrap();
+    }
 }
 
 /// Known to `xarray_opens.py`: the exponent tells the point's index; the last point ran away.

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 warnings.simplefilter("error")
-data = xr.open_zarr(sys.argv[1], consolidated=False)
+data = xr.open_zarr(sys.argv[1])
 
 assert dict(data.sizes) == {"x0": 5, "zeta_k": 7}, data.sizes
 assert set(data.coords) == {"zeta_k", "x0"}, data.coords
@@ -16,21 +16,20 @@ np.testing.assert_array_equal(data.zeta_k, np.linspace(0, 12, 7))
 np.testing.assert_array_equal(data.x0, np.linspace(1, -1, 5))
 assert data.zeta_k.attrs == {"long_name": "amplitude of the shaft's speed", "symbol": "ζₖ", "units": "1"}
 
-assert data.attrs["format"] == "tribochaos map" and data.attrs["format_version"] == 1
+assert data.attrs["format"] == "tribochaos results" and data.attrs["format_version"] == 2
 assert data.attrs["program"].startswith("tribochaos ")
-assert data.attrs["devices"] == ["a processor"]
 assert 'parameter = "zeta_k"' in data.attrs["experiment"]
 
 exponent = data.lyapunov
 assert exponent.dims == ("x0", "zeta_k") and exponent.dtype == np.float64
 assert exponent.attrs["units"] == "1/tau" and "Lyapunov" in exponent.attrs["long_name"]
 expected = -np.arange(35).reshape(5, 7) / 8
-expected[:2, :3] = np.nan  # the tile that was not written
+expected[:2] = np.nan  # the unit that was not written
 expected[4, 6] = np.nan  # the runaway
 np.testing.assert_array_equal(exponent, expected)
-assert exponent.sel(x0=0.5, zeta_k=8) == -11 / 8
+assert exponent.sel(x0=0, zeta_k=8) == -18 / 8
 
-assert data.period.dtype == np.float64
+assert data.period.dtype == np.float32
 np.testing.assert_array_equal(data.period[2], [4, np.nan, 4, np.nan, 4, np.nan, 4])
 assert data.x.dims == data.x_min.dims == ("x0", "zeta_k") and data.x[2, 2] == 0.25
 
@@ -44,7 +43,7 @@ for name, meanings in {
     assert codes.dtype == np.uint8, (name, codes.dtype)
     assert codes.attrs["flag_meanings"] == meanings, codes.attrs
     assert list(codes.attrs["flag_values"]) == list(range(len(meanings.split())))
-    assert (codes[:2, :3] == 255).all()
-assert data["class"][0, 3] == 1 and data["class"][4, 6] == 255
+    assert (codes[:2] == 255).all()
+assert data["class"][2, 3] == 1 and data["class"][4, 6] == 255
 assert data.status[4, 6] == 1 and data.runaway_time[4, 6] == 100
 assert data.backend[4, 6] == 2 and data.backend[4, 5] == 0

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 warnings.simplefilter("error")
-data = xr.open_zarr(sys.argv[1], consolidated=False)
+data = xr.open_zarr(sys.argv[1])
 
 assert dict(data.sizes) == {"damping": 2, "interference": 3}, data.sizes
 assert set(data.coords) == {"damping", "interference"}, data.coords

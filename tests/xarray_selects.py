@@ -4,7 +4,7 @@ import sys
 
 import xarray as xr
 
-data = xr.open_zarr(sys.argv[1], consolidated=False)
+data = xr.open_zarr(sys.argv[1])
 assert dict(data.sizes) == {"zeta_k": 201, "h1": 301}, data.sizes
 for i in range(301):
     typed = float(f"{5 * i}e-3")

@@ -37,7 +37,7 @@ pub struct OutArgs {
 }
 
 impl OutArgs {
-    /// Whether files are written: not where an object is wanted and no name is given.
+    /// Whether files are written: always, except with `--json` and no `--out`.
     pub fn draws(&self) -> bool {
         self.out.is_some() || !self.json.wanted()
     }
@@ -78,8 +78,8 @@ impl StartArgs {
         self.start.is_empty()
     }
 
-    /// The initial states: those of `chosen`, which are the typed ones or else those of a file; without any, or where another one was
-    /// set, that of x0 and y0 and, with `--initial-states`, others from the box.
+    /// The initial states: those of `chosen`, which are the typed ones or else those of a file. If `chosen` has none, or if x0,
+    /// y0 or `--initial-states` was typed, they are (x0, y0) and, with several initial states, others from the box.
     pub fn resolve(
         &self,
         chosen: &Self,
@@ -102,7 +102,7 @@ impl StartArgs {
     }
 }
 
-/// Whether the initial state was typed, or is that of a preset or of a file.
+/// Whether the user chose the initial state: by an option, by a preset or by a file.
 pub fn gives_initial_state(args: &ExperimentArgs, request: &Request) -> bool {
     args.initial_states.is_some()
         || [Parameter::X0, Parameter::Y0]
@@ -129,13 +129,13 @@ pub fn starts_in_words(starts: &[[f64; 2]]) -> String {
     }
 }
 
-/// The axis over which something is drawn unless another one is asked for: zeta_k = 0..12.
+/// The default axis of the analyses: zeta_k = 0..12.
 pub fn default_axis(count: usize) -> Axis {
     Axis::even(Parameter::ZetaK, 0.0, 12.0, count).expect("the table of parameters admits the default axis")
 }
 
-/// What holds where nothing else is asked for, over the defaults of all commands. The CPU is taken unless a GPU is asked for: few
-/// points do not fill one, and f64 leaves no doubt about them. Their errors are shown, so that they are run to their full length.
+/// The defaults of the analyses, where they differ from those of all commands. The backend is the CPU: few points do not use a
+/// GPU fully, and f64 leaves no doubt about them. Points are run to their full length, since their errors are shown.
 pub fn defaults() -> Request {
     let mut defaults = Request::default();
     defaults.device.backend = BackendChoice::Cpu;
@@ -143,7 +143,7 @@ pub fn defaults() -> Request {
     defaults
 }
 
-/// The experiment of a request whose axis, if it has one, is none of initial states. Warns of what the user should know.
+/// The experiment of a request in which no initial state may vary. Prints the warnings of the experiment.
 pub fn resolve(request: &Request) -> Result<Experiment, Failure> {
     let varied = request.axes.iter().flatten().map(|axis| axis.coordinate);
     let listed = request
@@ -193,10 +193,10 @@ pub fn values(text: &str) -> Result<Points, String> {
     Points::new(vec![coordinate], &values).map_err(|error| error.to_string())
 }
 
-/// Puts the points that were typed, by --at, over those of the file; without any there is the one point of the request's `set`.
+/// Replaces the points of the file by those of --at, if any. Without points, there is the one point of the request's `set`.
 ///
 /// # Errors
-/// If what varies is set to a value as well.
+/// If --set gives a value to a coordinate of --at.
 pub fn at_points(request: &mut Request, typed: Option<&Points>, subject: &SubjectArgs) -> Result<(), Failure> {
     if let Some(points) = typed {
         for coordinate in points.coordinates() {
@@ -247,7 +247,7 @@ pub fn with_machine(mut object: Value, experiment: &Experiment) -> Value {
     object
 }
 
-/// Parameters by their names; JSON has no infinity, so that no ramp is null.
+/// Parameters by their names. JSON has no infinity: without a ramp, `ramp_rate` is null.
 pub fn parameters(at: &ParameterSet) -> Value {
     let names = PARAMETERS.iter().map(|info| info.parameter);
     let map: Map<String, Value> = names
@@ -256,7 +256,7 @@ pub fn parameters(at: &ParameterSet) -> Value {
     map.into()
 }
 
-/// What a command computes is written into these: NAME.png, NAME.svg, NAME.csv, and others whose names go on.
+/// The files into which a command writes its results: NAME.png, NAME.svg, NAME.csv, and others with longer names.
 pub struct Claim {
     /// None where nothing is drawn.
     name: Option<PathBuf>,
@@ -267,7 +267,8 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// Claims the files of the given drawings before any work, each NAME and an ending such as `-threshold`.
+    /// Checks before any work that the files of the given drawings may be written. Each drawing is an ending of NAME such as
+    /// `-threshold`.
     ///
     /// # Errors
     /// If the name names no file, nothing can be written there, or a drawing of another experiment is there and `force` is
@@ -316,8 +317,7 @@ impl Claim {
         Ok(())
     }
 
-    /// Tells what came out: as an object with the machine and the list `files`, or in the words that `print` prints and the names of the
-    /// files.
+    /// Reports the results: as an object with the machine and the list `files`, or by `print` and the names of the files.
     pub fn tell(&self, experiment: &Experiment, object: impl FnOnce() -> Value, print: impl FnOnce()) {
         if self.json.wanted() {
             let mut object = with_machine(object(), experiment);
@@ -332,7 +332,7 @@ impl Claim {
     }
 }
 
-/// Computes what a command draws, and shows how far it has come: `instance_periods` of `points`.
+/// Does the work of a command, which is `instance_periods` for `points`, and shows the progress.
 ///
 /// # Errors
 /// If the backend fails, or a signal broke the work off.
@@ -342,7 +342,7 @@ pub fn compute<T>(
     work: impl FnOnce(&mut engine::Observer<'_>) -> Result<Option<T>, BackendError>,
 ) -> Result<T, Failure> {
     progress::catch_signals();
-    let bar = Progress::new(instance_periods, points);
+    let bar = Progress::new(instance_periods, points, false);
     work(&mut |event| bar.hear(event))
         .map_err(Failure::backend)?
         .ok_or_else(|| Failure::Interrupted("nothing is drawn".into()))

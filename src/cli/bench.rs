@@ -1,4 +1,4 @@
-//! `bench`: what the kernels cost on this machine, and how exact they are.
+//! `bench`: the cost of the kernels on this machine, and their accuracy.
 
 use std::time::Duration;
 
@@ -32,7 +32,7 @@ pub struct BenchArgs {
     /// Part of the name of the GPU adapter [default: the first, hardware before software]
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
-    /// Time the default scheme on one thread to all, and on maps of 10^3 to 10^6 points, instead
+    /// Instead, time the default scheme on one thread up to all threads, and on maps of 10^3 to 10^6 points
     #[arg(long, conflicts_with_all = ["backend", "scheme", "precision", "tolerance", "adapter"])]
     scaling: bool,
     #[command(flatten)]
@@ -46,11 +46,11 @@ enum Device {
     Gpu,
 }
 
-/// Numbers of heat modes, for how the cost grows with them. A GPU's kernels are compiled for each.
+/// Numbers of heat modes that are timed: they show how the cost grows with the number. A GPU needs a kernel compiled for each.
 const CPU_MODES: [u32; 4] = [4, 8, 12, 24];
 const GPU_MODES: [u32; 2] = [8, 12];
 
-/// Time that the rounds of timing may take; accuracy comes on top.
+/// Time that the rounds of timing may take. The measurement of the accuracy takes additional time.
 const BUDGET: Duration = Duration::from_secs(30);
 
 impl BenchArgs {
@@ -64,7 +64,7 @@ impl BenchArgs {
         if self.backend != Some(Device::Gpu) {
             for (rank, set) in InstructionSet::available().into_iter().enumerate() {
                 for precision in [Precision::F64, Precision::F32] {
-                    // the slower sets show what the reduced model costs where there is nothing better
+                    // the slower instruction sets are timed for the reduced model only: its cost on a CPU that has no better set
                     let modes: &[u32] = if rank == 0 { &CPU_MODES } else { &[] };
                     cases.extend(Case::all(Some(set), precision, modes));
                 }
@@ -172,7 +172,7 @@ fn print(kernels: &[Kernel]) {
     }
 }
 
-/// Of the CPU no threads are told: it is timed on one, whatever it has.
+/// The heading does not name the CPU's number of threads: the kernels are timed on one thread.
 fn heading(kernel: &Kernel) -> String {
     match (kernel.instructions, kernel.lanes) {
         (Some(set), Some(lanes)) => format!("CPU, {set} lanes of {lanes} {}", kernel.precision),

@@ -23,7 +23,7 @@ use super::{Failure, report};
 /// The name of the command in files.
 const COMMAND: &str = "bifurcation";
 
-/// Every column has the states at drive phase 0 of 200 periods after 300, unless told otherwise.
+/// By default, every column has the states at drive phase 0 of 200 periods, after a transient of 300 periods.
 #[derive(Args)]
 #[command(after_long_help = request::parameter_table())]
 pub struct BifurcationArgs {
@@ -44,8 +44,8 @@ struct Options {
     /// State that is drawn [default: x]
     #[arg(long, value_name = "x|y", value_parser = request::named::<Component>)]
     show: Option<Component>,
-    /// Begin each column where the one before ended, as the parameter rises (up) or falls (down); the two differ where
-    /// attractors coexist [default: begin every column at the same initial states]
+    /// Begin each column where the previous one ended, while the parameter rises (up) or falls (down). The two diagrams differ
+    /// where attractors coexist [default: begin every column at the same initial states]
     #[arg(long, value_name = "up|down", value_parser = follow)]
     follow: Option<Columns>,
     /// Ends of the drawn state's axis [default: from the data]
@@ -71,10 +71,10 @@ fn follow(text: &str) -> Result<Columns, String> {
     }
 }
 
-/// States that fit into memory and into a table that can be used.
+/// Most states: more do not fit into memory and a usable table.
 const MOST_STATES: u64 = 50_000_000;
 
-/// What holds where nothing else is asked for.
+/// The defaults of this command.
 pub fn defaults() -> Request {
     let mut defaults = analysis::defaults();
     defaults.sampling.periods = 200;
@@ -83,7 +83,7 @@ pub fn defaults() -> Request {
 
 #[expect(
     clippy::too_many_lines,
-    reason = "a command is told from what is typed to what is written"
+    reason = "the code follows the command from its options to its files"
 )]
 pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
     let axis = AskedAxis {
@@ -110,7 +110,7 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
     }
     let columns = options.follow.unwrap_or(Columns::Fresh);
     analysis::check_lasting(experiment.wears())?;
-    if columns != Columns::Fresh && experiment.is_rubbed() {
+    if columns != Columns::Fresh && experiment.has_heat_or_wear() {
         return Err(Failure::Input(anyhow::anyhow!(
             "--follow carries the angle and the speed of the bush from column to column, not the heat of the shaft: leave \
              --follow out, or set gamma = 0"

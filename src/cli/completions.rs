@@ -9,7 +9,8 @@ use clap_complete::Shell;
 
 use super::{Failure, print};
 
-/// Completions go to standard output: `tribochaos completions bash > FILE`. Where a shell looks for them, its manual tells.
+/// Completions go to standard output: `tribochaos completions bash > FILE`. The manual of a shell tells where the shell looks for
+/// them.
 #[derive(Args)]
 pub struct CompletionsArgs {
     /// The shell

@@ -1,4 +1,4 @@
-//! `devices`: what there is to compute on, and whether it computes rightly.
+//! `devices`: lists the devices that can compute, and checks whether a GPU computes correctly.
 
 use anyhow::anyhow;
 use clap::Args;
@@ -17,8 +17,8 @@ use super::{Failure, progress, report};
 
 #[derive(Args)]
 pub struct DevicesArgs {
-    /// Hold a GPU against the CPU: function by function over a short run, and a small map audited in f64. The report is
-    /// meant to be sent to the developers
+    /// Compare a GPU with the CPU: random instances over a short run, and a small map audited in f64. The report is meant to be
+    /// sent to the developers
     #[arg(long)]
     check: bool,
     /// Part of the name of the adapter to check [default: the first, hardware before software]

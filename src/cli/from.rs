@@ -1,6 +1,6 @@
 //! Experiments out of files that the program has written: TOML, pictures, drawings, tables and stores.
 //!
-//! Owns where each of them keeps its experiment; what an experiment means is the library's.
+//! Owns the place of the experiment in each kind of file; the library defines what an experiment means.
 
 use std::path::Path;
 
@@ -8,10 +8,10 @@ use anyhow::{Context, anyhow};
 use tribochaos::experiment::{Request, Sampling};
 use tribochaos::output::csv;
 use tribochaos::picture::{drawing, png};
-use tribochaos::store::MapStore;
+use tribochaos::store::Store;
 
-/// The experiment in a file, which is told by its ending, or in the folder of a store. What it leaves out of the sampling is that
-/// of `defaults`.
+/// Reads the experiment from a file, whose kind is known from its ending, or from the folder of a store. Sampling settings that
+/// the file leaves out are those of `defaults`.
 ///
 /// # Errors
 /// If the file cannot be read, or has no experiment that this version knows.
@@ -24,7 +24,7 @@ pub fn read(path: &Path, defaults: Sampling) -> anyhow::Result<Request> {
         )
     };
     if path.is_dir() {
-        return Ok(MapStore::open(path)?.experiment().request());
+        return Ok(Store::open(path)?.experiment().request());
     }
     let toml = match path.extension().and_then(|extension| extension.to_str()) {
         Some("png") => png::read_experiment(path)?,

@@ -38,7 +38,7 @@ pub struct HistoryArgs {
     out: OutArgs,
 }
 
-/// A history has its own number of periods: measurements need more of them.
+/// Options of a history. Its number of periods is separate from that of the sampling, since a measurement needs more periods.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Options {
@@ -52,13 +52,13 @@ impl Checked for Options {
     }
 }
 
-/// Forcing periods where none are asked for: contact at the preset is lost after 23.
+/// Default number of forcing periods. With the preset, contact is lost after 23.
 const PERIODS: u32 = 30;
 const SAMPLES: u32 = 128;
 /// More samples make a table that nobody opens.
 const MOST_SAMPLES: u64 = 1_000_000;
 
-/// What holds where nothing else is asked for.
+/// The defaults of this command.
 pub fn defaults() -> Request {
     let mut defaults = analysis::defaults();
     defaults.integration.scheme = Some(Scheme::Radau);
@@ -179,7 +179,7 @@ pub fn run(args: &HistoryArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The experiment, with how much of it is followed.
+/// The experiment, with the number of periods and samples.
 fn experiment(args: &HistoryArgs) -> Result<(Experiment, Options), Failure> {
     let refused = |reason: String| Err(Failure::Input(anyhow!(reason)));
     let asked = &args.experiment;
@@ -214,17 +214,17 @@ fn experiment(args: &HistoryArgs) -> Result<(Experiment, Options), Failure> {
             "periods = {periods} is out of range: it must be from 1 to {most} with {samples} samples in each"
         ));
     }
-    // nothing else of the sampling means anything to a history
+    // all other sampling settings have no meaning for a history
     request.sampling = Sampling::default();
     request.device = defaults().device;
     if request.integration.scheme != Some(Scheme::Radau) {
-        // steps belong to their scheme
+        // the number of steps of another scheme does not apply to radau
         request.integration.steps_per_period = asked.steps_per_period;
         request.integration.scheme = Some(Scheme::Radau);
     }
     request.integration.precision = None;
     let experiment = request.resolve_point().map_err(Failure::input)?;
-    // none of the transient's length: a history shows the transient
+    // no warning about the length of the transient: a history shows the transient
     for warning in experiment.machine_warnings() {
         eprintln!("warning: {warning}");
     }
@@ -256,7 +256,7 @@ fn words(experiment: &Experiment, periods: u32, samples: u32, history: &History)
         // the panels say when
         Some(_) => "",
         None if history.given_up => "",
-        None if at.parameters().is_rubbed() => "Contact held to the end. ",
+        None if at.parameters().has_heat_or_wear() => "Contact held to the end. ",
         None => "Constant contact pressure. ",
     };
     let ended = match history.samples.last().filter(|_| history.given_up) {

@@ -9,7 +9,7 @@ pub struct JsonArgs {
     /// Print one JSON object. Without --out nothing is written to disk
     #[arg(long)]
     json: bool,
-    /// As --json, in one line, for loops
+    /// As --json, but in one line, for use in loops
     #[arg(long)]
     json_line: bool,
 }

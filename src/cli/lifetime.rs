@@ -23,8 +23,8 @@ use super::{Failure, si};
 #[command(next_help_heading = "Lifetime of chaos")]
 #[serde(deny_unknown_fields)]
 pub struct LifetimeArgs {
-    /// Estimate how long chaos lasts: from many initial states of the initial box, by which time each has settled on a regular
-    /// attractor. Writes a drawing and a table
+    /// Estimate how long chaos lasts: many initial states from the initial box are followed, and the time is recorded at which
+    /// each settles on a regular attractor. Writes a drawing and a table
     #[arg(long, value_name = "STATES", num_args = 0..=1, default_missing_value = "1000",
           value_parser = clap::value_parser!(u32).range(100..=100_000))]
     pub lifetime: Option<u32>,
@@ -42,10 +42,10 @@ impl Checked for LifetimeArgs {
 
 const DEFAULT_PERIODS: u32 = 4000;
 
-/// A quarter of an hour on two cores.
+/// Most work of an estimate: a quarter of an hour on two cores.
 const MOST_INSTANCE_PERIODS: u64 = 1_000_000_000;
 
-/// What is to be followed, with the files that it goes into.
+/// The initial states to follow, the number of periods, and the files for the results.
 pub struct Plan {
     starts: Vec<[f64; 2]>,
     longest: u32,
@@ -53,7 +53,7 @@ pub struct Plan {
 }
 
 impl LifetimeArgs {
-    /// What was asked for, if anything was; claims the files.
+    /// The plan, or None without `--lifetime`; checks that its files may be written.
     ///
     /// # Errors
     /// If there is no chaos that could end, it would take too long, or the files are those of something else.
@@ -75,7 +75,7 @@ impl LifetimeArgs {
                  {MOST_INSTANCE_PERIODS}): give --lifetime fewer states, or --lifetime-periods less"
             )));
         }
-        // (x0, y0) comes besides, and is not of the box
+        // `offsets` leaves out the first state, which is (x0, y0) and not from the box
         let starts = initial_states::offsets(&Sampling {
             initial_states: states + 1,
             ..experiment.settings.sampling
@@ -85,13 +85,13 @@ impl LifetimeArgs {
     }
 }
 
-/// What came of it.
+/// The result of the estimate.
 pub struct Estimate {
     survival: Survival,
     decay: Decay,
-    /// Of the motion before it settles, per unit of tau, and its standard error.
+    /// Exponent of the motion before it settles, per unit of tau, and its standard error.
     exponent: Option<[f64; 2]>,
-    /// Whether that is above zero, by three standard errors.
+    /// Whether the exponent is more than three standard errors above zero.
     is_chaotic: bool,
     given_up: usize,
     files: Claim,
@@ -124,7 +124,7 @@ impl Plan {
         let decay = survival.decay();
         let exponent = exponent(&fates, decay.start()).map(|of| of.map(|rate| rate / at.forcing_period()));
         let is_chaotic = exponent.is_some_and(|[rate, error]| rate > 3.0 * error);
-        // an approach has no lifetime, whatever its times look like
+        // a regular approach to an attractor has no lifetime of chaos, whatever the distribution of its times
         let decay = if is_chaotic { decay } else { Decay::Other };
 
         let InitialBox { x, y } = settings.sampling.initial_box;
@@ -175,7 +175,7 @@ impl Plan {
 }
 
 impl Estimate {
-    /// Tells the estimate: within `object`, or in words after those that `print` prints.
+    /// Reports the estimate: within `object`, or as text after that of `print`.
     pub fn tell(&self, experiment: &Experiment, object: Value, print: impl FnOnce()) {
         self.files.tell(
             experiment,

@@ -1,4 +1,4 @@
-//! `lyapunov`: the exponents over one parameter, and where chaos begins and ends on it.
+//! `lyapunov`: the exponents over one parameter, and the onset and the end of chaos.
 
 use std::ops::Not;
 use std::time::Instant;
@@ -24,10 +24,11 @@ use super::{Failure, report};
 /// The name of the command in files.
 const COMMAND: &str = "lyapunov";
 
-/// Chaos begins at the least value of a fine grid over the whole range of the axis, and ends at the greatest, with an exponent
-/// above 0.005 over 100 periods after 380, on motion that is neither regular nor quasi-periodic, and that is chaotic over 2000
-/// periods, too; the friction layer is resolved there (rk4 takes at least 4000 steps a period). How many values the axis has
-/// does not matter. Without an initial state by --start, --set or --preset, three are tried: (0.1, 0), (1, 0) and (-1, 0).
+/// The onset of chaos is the least chaotic value on a fine grid over the whole range of the axis, and the end is the greatest. A
+/// value is chaotic if three conditions hold: the exponent is above 0.005 over 100 periods after 380; the motion is neither
+/// regular nor quasi-periodic; it is also chaotic over 2000 periods. The friction layer is resolved (rk4 takes at least 4000
+/// steps a period). The number of values of the axis does not matter. Without an initial state by --start, --set or --preset,
+/// three are tried: (0.1, 0), (1, 0) and (-1, 0).
 #[derive(Args)]
 #[command(after_long_help = request::help())]
 #[command(mut_arg("start", |start| start.help(START_HELP)))]
@@ -46,8 +47,8 @@ pub struct LyapunovArgs {
 #[derive(Args, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Options {
-    /// Spacing of the fine grid for onset and end, whose values are its multiples [default: 0.0025 for zeta_k, for others the
-    /// round number at or just below a thousandth of the range]
+    /// Spacing of the fine grid for onset and end; the grid has the multiples of the spacing [default: 0.0025 for zeta_k, for
+    /// others the round number at or just below a thousandth of the range]
     #[arg(long, value_name = "STEP")]
     onset_spacing: Option<f64>,
     /// Do not look for the onset and the end of chaos
@@ -101,7 +102,7 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
             starts.len()
         )));
     }
-    // initial states are told apart here, not combined
+    // each initial state has its own exponents here: they are not combined
     let settings = Settings {
         sampling: Sampling {
             initial_states: 1,
@@ -259,9 +260,9 @@ fn draw(
 
 fn table(files: &mut Claim, experiment: &Experiment, lines: &[Line]) -> Result<(), Failure> {
     let axis = &experiment.design.axes()[0];
-    // heat has more exponents than two, of which one is measured
+    // with heat there are more than two exponents; only the maximal one is measured
     let has_second = !experiment.settings.integration.scheme.carries_heat();
-    // with wear all over the axis there are exponents of finite time alone
+    // if the contact wears at every value of the axis, there are only exponents of finite time
     let lasts = experiment.extent(Parameter::KW).0 == 0.0;
     let columns: Vec<(&str, Column)> = [
         ("lambda_1", true, (|m| m.lyapunov) as Column),

@@ -18,14 +18,15 @@ use super::json::JsonArgs;
 use super::request::{self, SubjectArgs};
 use super::{Failure, analysis};
 
-/// Prints the dimensionless parameters, the scales that lead back to SI units, what is unlikely, and the logarithmic
-/// sensitivities d ln(group)/d ln(quantity): by how many per cent a group moves for one per cent of a quantity.
+/// Prints the dimensionless parameters, the scales that convert results to SI units, warnings of unlikely values, and the
+/// logarithmic sensitivities d ln(group)/d ln(quantity): by how many per cent a group changes if a quantity changes by one per
+/// cent.
 #[derive(Args)]
 #[command(after_long_help = quantity_table())]
 pub struct MachineArgs {
     /// The machine, as --template prints one
     file: Option<PathBuf>,
-    /// Value of a quantity, over that of the file; may be repeated
+    /// Value of a quantity, instead of that in the file; may be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = request::assignment)]
     set: Vec<(Coordinate, f64)>,
     #[command(flatten)]
@@ -145,7 +146,7 @@ fn words(experiment: &Experiment, machine: &Machine) -> String {
     text + &table(&sensitivities(machine))
 }
 
-/// The sensitivities in two blocks, of the parameters and of k* and the scales, which fit a terminal.
+/// The sensitivities in two blocks that fit a terminal: one of the parameters, one of k* and the scales.
 fn table(table: &Sensitivities) -> String {
     let mut text = String::new();
     let first_scale = table

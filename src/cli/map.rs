@@ -1,9 +1,8 @@
 //! `map`: from a request to a store, pictures and the border of chaos.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use anyhow::anyhow;
 use clap::Args;
 use serde_json::{Value, json};
 use tribochaos::design::Axis;
@@ -12,8 +11,9 @@ use tribochaos::engine::choice::{self, Choice};
 use tribochaos::engine::{self, Backends, Cause, EngineError, Sink, Table, Work, estimate};
 use tribochaos::experiment::{Experiment, Request};
 use tribochaos::map::ParameterMap;
+use tribochaos::measure::Quantity;
 use tribochaos::picture::{self, Style};
-use tribochaos::store::MapStore;
+use tribochaos::store::Store;
 
 use super::json::JsonArgs;
 use super::outputs::Outputs;
@@ -21,6 +21,7 @@ use super::overlay::{self, Theory};
 use super::progress::{self, Progress};
 use super::report;
 use super::request::{self, AskedAxis, ExperimentArgs};
+use super::stores::{self, Wanted};
 use super::{Failure, outputs};
 
 #[derive(Args)]
@@ -40,7 +41,10 @@ pub struct MapArgs {
     experiment: ExperimentArgs,
     #[arg(long, value_name = "N", help = format!("Points computed again on the CPU in f64 to audit the map [default: {DEFAULT_AUDIT} of a GPU map, else 0]"))]
     audit: Option<u32>,
-    /// Run every point to its full length, also where its motion has shown early what it is
+    /// Quantities that are stored [default: all that can differ from point to point]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = request::named::<Quantity>)]
+    quantities: Vec<Quantity>,
+    /// Run every point to its full length, even if the kind of its motion is clear early
     #[arg(long)]
     full_length: bool,
     /// What all output names begin with [default: outputs/map]
@@ -49,9 +53,9 @@ pub struct MapArgs {
     /// Replace results of another experiment, and compute those of the same one again
     #[arg(long)]
     force: bool,
-    /// Wait while another process writes the same store, and go on from there
+    /// No other process uses the store: for file systems without locks
     #[arg(long)]
-    wait: bool,
+    alone: bool,
     /// Tell what would be done and about how long it takes, and stop
     #[arg(long)]
     dry_run: bool,
@@ -85,10 +89,9 @@ impl MapArgs {
 pub fn run(args: &MapArgs) -> Result<(), Failure> {
     let request = args.request()?;
     let experiment = request.resolve().map_err(Failure::input)?;
-    let written = Request {
-        out: request.out.clone(),
-        ..experiment.request()
-    };
+    let quantities = stores::quantities(&args.quantities, &request)?;
+    let quantities = quantities.unwrap_or_else(|| Quantity::of_map(&experiment));
+    let written = stores::written(&request, &experiment, &quantities);
     if args.experiment.subject.prints(&written) {
         return Ok(());
     }
@@ -104,16 +107,27 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
     }
     let outputs = Outputs::new(request.out.as_deref().unwrap_or("outputs/map".as_ref()));
     let mut choice = choice::choose(&experiment).map_err(Failure::backend)?;
+    let wanted = Wanted {
+        experiment: &experiment,
+        quantities: &quantities,
+        unit: choice.backends.points_per_unit(&experiment),
+        force: args.force,
+        alone: args.alone,
+    };
     if args.dry_run {
-        let store = outputs.check(&experiment, args.force).map_err(Failure::Input)?;
+        outputs.check(&experiment, args.force).map_err(Failure::Input)?;
+        let store = if args.force {
+            None
+        } else {
+            wanted.resumable(&outputs.store()).map_err(Failure::Input)?
+        };
         return dry_run(&experiment, choice, &outputs, store.as_ref());
     }
     if args.json.wanted() && request.out.is_none() {
         return run_in_memory(&experiment, choice, args.json);
     }
-    let unit = choice.backends.points_per_unit(&experiment);
-    let opened = outputs.open(&experiment, unit, args.force, args.wait);
-    let (mut store, _lock) = opened.map_err(Failure::Input)?;
+    outputs.check(&experiment, args.force).map_err(Failure::Input)?;
+    let mut store = wanted.open(&outputs.store()).map_err(Failure::Input)?;
     let is_for_people = !args.json.wanted();
     if is_for_people {
         print_line!("{}\n{}", report::plan(&experiment), report::device(&choice));
@@ -122,10 +136,12 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
     progress::catch_signals();
     let started = Instant::now();
     let work = compute(&experiment, &mut choice.backends, &mut store);
-    let work = work.map_err(|error| unfinished(error, &outputs.store()))?;
+    let work = work.map_err(|error| stores::unfinished(error, &outputs.store()))?;
     let elapsed = started.elapsed();
 
-    let map = store.read_map().map_err(Failure::run)?;
+    let map = store.read().map_err(Failure::run)?;
+    let map = ParameterMap::try_from(map).map_err(Failure::run)?;
+    let devices = store.devices().map_err(Failure::run)?;
     let audit = audit_map(&map, &experiment, &mut store)?;
     let mut files = outputs.draw(&map, &style).map_err(Failure::Run)?;
     files.push(outputs.store());
@@ -133,7 +149,7 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
         eprintln!("warning: {warning}");
     }
     if is_for_people {
-        print_text!("{}", report::summary(&map, &work, elapsed, &store.devices()));
+        print_text!("{}", report::summary(&map, &work, elapsed, &devices));
         if let Some(audit) = audit {
             print_text!("{}", report::audit(&audit));
         }
@@ -142,14 +158,14 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
         }
         return Ok(());
     }
-    let mut object = object(&map, &work, elapsed, &store.devices());
+    let mut object = object(&map, &work, elapsed, &devices);
     object["audit"] = json!(audit);
     object["files"] = files.iter().map(|file| file.display().to_string()).collect();
     args.json.print(&object);
     Ok(())
 }
 
-/// Computes a map of which only the object is wanted.
+/// Computes a map in memory, if only its object is printed.
 fn run_in_memory(experiment: &Experiment, choice: Choice, json: JsonArgs) -> Result<(), Failure> {
     let mut backends = choice.backends;
     let mut table = Table::new(experiment.clone(), backends.points_per_unit(experiment));
@@ -158,7 +174,7 @@ fn run_in_memory(experiment: &Experiment, choice: Choice, json: JsonArgs) -> Res
     let work = compute(experiment, &mut backends, &mut table).map_err(|error| match error.cause {
         Cause::Stopped => Failure::Interrupted("nothing is kept without --out".to_owned()),
         Cause::Backend(error) => Failure::backend(error),
-        Cause::Sink(error) => Failure::Run(anyhow!(error)),
+        cause @ (Cause::Sink(_) | Cause::Lost { .. }) => Failure::run(cause),
     })?;
     let map = ParameterMap::try_from(table.into_results()).map_err(Failure::input)?;
     json.print(&object(&map, &work, started.elapsed(), &[backends.active().device()]));
@@ -174,34 +190,16 @@ fn object(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[String]
     object
 }
 
-/// Computes what the sink lacks, and shows how far it has come; returns how much that was.
+/// Computes the points that the sink lacks, and shows the progress; returns the work that was done.
 fn compute(experiment: &Experiment, backends: &mut Backends, sink: &mut dyn Sink) -> Result<Work, EngineError> {
     let points = experiment.design.len();
-    let progress = Progress::new(engine::instance_periods(&experiment.settings, points), points);
-    engine::run_on(backends, experiment, sink, &mut |event| progress.hear(event))
+    let progress = Progress::new(engine::instance_periods(&experiment.settings, points), points, false);
+    let units: Vec<usize> = (0..sink.units()).collect();
+    engine::run_on(backends, experiment, sink, &units, &mut |event| progress.hear(event))
 }
 
-/// Why a store is not finished, what it has, and how to go on.
-fn unfinished(EngineError { cause, finished, units }: EngineError, store: &Path) -> Failure {
-    let kept = |reason: &str| {
-        format!(
-            "{reason}; {finished} of {units} tiles are finished and kept in {path}: the same command goes on from there, \
-             `tribochaos render {path}` draws them",
-            path = store.display()
-        )
-    };
-    match cause {
-        Cause::Stopped => Failure::Interrupted(kept("the map is not finished")),
-        Cause::Sink(error) => Failure::Run(anyhow!(error)),
-        Cause::Backend(error) => match Failure::backend(error) {
-            Failure::Run(error) => Failure::Run(anyhow!(kept(&super::with_causes(&error)))),
-            other => other,
-        },
-    }
-}
-
-/// Audits the map as the settings ask, and stores what came out.
-fn audit_map(map: &ParameterMap, experiment: &Experiment, store: &mut MapStore) -> Result<Option<Audit>, Failure> {
+/// Audits the map as the experiment asks, and stores the result.
+fn audit_map(map: &ParameterMap, experiment: &Experiment, store: &mut Store) -> Result<Option<Audit>, Failure> {
     let points = experiment
         .checking
         .audit
@@ -223,22 +221,18 @@ fn audit_map(map: &ParameterMap, experiment: &Experiment, store: &mut MapStore) 
     Ok(Some(audit))
 }
 
-/// Says what would be done, given the store to go on with, if there is one.
+/// Prints what would be done. `store` is the one that would be continued, if there is one.
 fn dry_run(
     experiment: &Experiment,
     mut choice: Choice,
     outputs: &outputs::Outputs,
-    store: Option<&MapStore>,
+    store: Option<&Store>,
 ) -> Result<(), Failure> {
     print_line!("{}\n{}", report::plan(experiment), report::device(&choice));
     let points = experiment.design.len();
     let mut left = points;
     if let Some(store) = store {
-        for unit in 0..store.units() {
-            if Sink::is_finished(store, unit).map_err(|error| Failure::Run(anyhow!(error)))? {
-                left -= store.points(unit).len();
-            }
-        }
+        left = stores::left(store)?;
         print_line!("{left} of {points} points are left to compute");
     }
     if left > 0 {

@@ -22,10 +22,10 @@ use super::{Failure, request};
 /// The name of the command in files.
 const COMMAND: &str = "melnikov";
 
-/// Mel'nikov's function measures, to first order in epsilon, the distance between the stable and the unstable manifold of the
-/// saddle at rest, with dry friction as sgn; as in the paper it is positive where the stable one has the greater energy. Where
-/// it changes sign, chaos may occur. Only parameters of the reduced model enter; epsilon, epsilon_0 and the initial state do
-/// not.
+/// Mel'nikov's function M measures the distance between the stable and the unstable manifold of the saddle, to first order in
+/// epsilon and with dry friction as sgn. As in the paper, M is positive where the stable manifold has the greater energy. If M
+/// changes sign, chaos may occur. M depends only on parameters of the reduced model, and not on epsilon, epsilon_0 and the
+/// initial state.
 #[derive(Args)]
 #[command(after_long_help = request::parameter_table())]
 pub struct MelnikovArgs {
@@ -43,8 +43,9 @@ pub struct MelnikovArgs {
 #[derive(Args, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Options {
-    /// Parameter, or quantity of the machine, whose threshold is looked for, and where: the least value at which M begins or
-    /// ceases to change sign [default: zeta_k=0:20, of a machine the shaft_speed_amplitude that gives it]
+    /// Parameter or quantity of the machine whose threshold is looked for, and the range of the search. The threshold is the
+    /// least value at which M begins or ceases to change sign [default: zeta_k=0:20, of a machine the shaft_speed_amplitude that
+    /// gives it]
     #[arg(long, value_name = "NAME[=LOW:HIGH]", value_parser = sought)]
     threshold: Option<Sought>,
     /// Draw the threshold over a second parameter, or quantity of the machine
@@ -80,7 +81,7 @@ fn check_tau([low, high]: [f64; 2]) -> Result<(), String> {
 /// Values of tau0 in a curve.
 const SAMPLES: usize = 1201;
 
-/// What a threshold is looked for in.
+/// The coordinate whose threshold is looked for, and the range of the search.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Sought {
     coordinate: Coordinate,
@@ -146,7 +147,7 @@ fn check(coordinate: Coordinate, at: &Fixed) -> Result<(), Failure> {
     melnikov::check_depends(at, coordinate).map_err(Failure::input)
 }
 
-/// Checks that there is a machine, if there is one at all, everywhere along the axes.
+/// Checks that the machine, if there is one, is valid everywhere along the axes.
 fn check_machines(axes: Vec<Axis>, at: &Fixed) -> Result<(), Failure> {
     let design = Design::product(axes, *at);
     design.extents().map(|_| ()).map_err(Failure::input)
@@ -154,7 +155,7 @@ fn check_machines(axes: Vec<Axis>, at: &Fixed) -> Result<(), Failure> {
 
 #[expect(
     clippy::too_many_lines,
-    reason = "a command is told from what is typed to what is written"
+    reason = "the code follows the command from its options to its files"
 )]
 pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
     let mut request = args.subject.base(Some(COMMAND), &Request::default())?;
@@ -249,7 +250,7 @@ pub fn run(args: &MelnikovArgs) -> Result<(), Failure> {
     let columns: Vec<&str> = names.chain(["tau_0", "melnikov"]).collect();
     files.table("", &notes, columns, rows.into_iter())?;
 
-    // one point is the object itself
+    // for a single point, the object is that of the point
     let mut object = match <[Value; 1]>::try_from(objects) {
         Ok([object]) => object,
         Err(objects) => json!({ "points": objects }),
@@ -294,7 +295,7 @@ fn defect(function: &Melnikov, low: f64, high: f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// What a threshold is called in objects.
+/// The name of a kind of threshold in objects.
 fn kind(threshold: Threshold) -> &'static str {
     match threshold {
         Threshold::Begins(_) => "begins",
@@ -327,7 +328,7 @@ struct Summary<'a> {
 }
 
 impl Summary<'_> {
-    /// The parameter that the threshold's quantity governs, and its value there; none without a machine.
+    /// The parameter that the quantity of the threshold governs, and its value at the threshold; None without a machine.
     fn governed(&self) -> Option<(Parameter, f64)> {
         let Coordinate::Si(quantity) = self.along.coordinate else {
             return None;
@@ -387,7 +388,7 @@ impl Summary<'_> {
     }
 }
 
-/// Tells what a curve came to, in words or within an object; of a curve without any threshold it is warned.
+/// Reports a curve, as text or within an object; warns of a curve without any threshold.
 fn report_curve(curve: &Curve, object: Option<&mut Value>) {
     let count = |sought: &str| {
         let kinds = curve.thresholds.iter().map(|threshold| kind(*threshold));

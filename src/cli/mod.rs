@@ -1,4 +1,4 @@
-//! The command line: strings to requests, results to people.
+//! The command line: turns strings into requests, and shows the results to the user.
 //!
 //! Owns everything that is typed or printed; computes nothing itself.
 
@@ -24,6 +24,7 @@ mod bench;
 mod bifurcation;
 mod completions;
 mod devices;
+mod export;
 mod from;
 mod history;
 mod json;
@@ -44,7 +45,12 @@ mod render;
 mod report;
 mod reproduce;
 mod request;
+mod scan;
 mod si;
+mod slice;
+mod slurm;
+mod status;
+mod stores;
 
 use std::process::ExitCode;
 
@@ -66,6 +72,18 @@ struct Cli {
 enum Command {
     /// Compute the maximal Lyapunov exponent, the period and the border of chaos over two parameters
     Map(map::MapArgs),
+    /// Compute over any number of parameters, or over any points, into a store; goes on where it stopped
+    Scan(scan::ScanArgs),
+    /// Write a scan as a job array of Slurm, and submit it
+    Slurm(slurm::SlurmArgs),
+    /// Tell what a store has, what is missing or damaged, and how long the rest takes
+    Status(status::StatusArgs),
+    /// Check every value of a store; compute again what is damaged
+    Verify(status::VerifyArgs),
+    /// Draw a map out of a store of more than two axes
+    Slice(slice::SliceArgs),
+    /// Write a store as a table
+    Export(export::ExportArgs),
     /// Compute everything about one point
     Point(point::PointArgs),
     /// Draw pictures again from a store, without computing
@@ -82,13 +100,13 @@ enum Command {
     History(history::HistoryArgs),
     /// Evaluate Mel'nikov's function, its extremes and its thresholds
     Melnikov(melnikov::MelnikovArgs),
-    /// Turn a machine in SI units into the dimensionless parameters, and tell how they move with each quantity
+    /// Turn a machine in SI units into the dimensionless parameters, and tell how they change with each quantity
     Machine(machine::MachineArgs),
-    /// Compute the paper's figures, and the table of what it says and what the program gets
+    /// Compute the paper's figures, and a table that compares the paper with the program
     Reproduce(reproduce::ReproduceArgs),
     /// Time every kernel on this machine, and measure its accuracy
     Bench(bench::BenchArgs),
-    /// Tell which GPU adapters and CPU instructions there are, and which one `auto` picks
+    /// List the GPU adapters and the CPU instruction sets, and tell which device `auto` takes
     Devices(devices::DevicesArgs),
     /// Print the completions of a shell, or write a man page for each command
     Completions(completions::CompletionsArgs),
@@ -97,7 +115,7 @@ enum Command {
 /// Why a command did not end well; decides the exit code.
 #[derive(Debug)]
 enum Failure {
-    /// What was asked for cannot be done: exit code 2, before any long work.
+    /// The request cannot be carried out: exit code 2, before any long work.
     Input(anyhow::Error),
     /// Something broke on the way: exit code 1.
     Run(anyhow::Error),
@@ -110,7 +128,7 @@ impl Failure {
         Self::Input(error.into())
     }
 
-    /// What a backend cannot do is the request's fault, all else the machine's.
+    /// An unsupported request is an input error; every other error of a backend is a failure of the run.
     fn backend(error: BackendError) -> Self {
         if matches!(error, BackendError::Unsupported(_)) {
             Self::Input(error.into())
@@ -124,7 +142,7 @@ impl Failure {
     }
 }
 
-/// An error with its causes. Many errors name their cause themselves, before they say what to do. No cause is repeated.
+/// An error with its causes. Many messages contain the text of their cause, followed by advice. Such a cause is not repeated.
 fn with_causes(error: &anyhow::Error) -> String {
     let mut text = String::new();
     for cause in error.chain().map(ToString::to_string) {
@@ -136,7 +154,7 @@ fn with_causes(error: &anyhow::Error) -> String {
     text
 }
 
-/// The command line, with the defaults of each command in its help as the code has them.
+/// The command line. The help of each command shows the defaults that the code has.
 fn command() -> clap::Command {
     let on_the_cpu = |mut defaults: Request| {
         defaults.device.backend = BackendChoice::Cpu;
@@ -144,6 +162,8 @@ fn command() -> clap::Command {
     };
     let commands = [
         ("map", Request::default(), &[][..]),
+        ("scan", Request::default(), &[]),
+        ("slurm", Request::default(), &[]),
         ("point", on_the_cpu(Request::default()), &[]),
         ("lyapunov", on_the_cpu(Request::default()), &[]),
         ("bifurcation", on_the_cpu(bifurcation::defaults()), &[]),
@@ -168,6 +188,12 @@ pub fn main() -> ExitCode {
     };
     let result = match cli.command {
         Command::Map(args) => map::run(&args),
+        Command::Scan(args) => scan::run(&args),
+        Command::Slurm(args) => slurm::run(&args),
+        Command::Status(args) => status::status(&args),
+        Command::Verify(args) => status::verify(&args),
+        Command::Slice(args) => slice::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::Point(args) => point::run(&args),
         Command::Render(args) => render::run(&args),
         Command::Bifurcation(args) => bifurcation::run(&args),
@@ -206,7 +232,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Prints help, the version, or what is wrong with the command line; the exit code.
+/// Prints the help, the version, or the error in the command line; returns the exit code.
 fn answer(error: &clap::Error) -> ExitCode {
     let written = error.print();
     if error.use_stderr() {

@@ -1,6 +1,6 @@
-//! Where chaos begins and ends on the axis of `lyapunov`: the search, and what is told of it.
+//! Onset and end of chaos on the axis of `lyapunov`: the search, and the report of its results.
 //!
-//! Owns the words and the object; what counts as chaos is the library's.
+//! Owns the words and the object; the library defines what counts as chaos.
 
 use std::fmt::Write as _;
 
@@ -14,14 +14,14 @@ use tribochaos::picture::{caption, charts};
 
 use super::{Failure, analysis};
 
-/// What is searched for chaos, checked.
+/// A search for chaos, with checked settings.
 pub struct Search {
     definition: Definition,
     pub spacing: f64,
     fine: Axis,
 }
 
-/// What came of it.
+/// The result of a search.
 pub enum Outcome {
     /// Nothing was searched, for this reason.
     Left(&'static str),
@@ -34,21 +34,21 @@ pub enum Outcome {
 pub struct Bound {
     way: Way,
     scanned: Scanned,
-    /// Whether chaos is there at the fine grid's first value on the way already, so that the bound lies beyond.
+    /// Whether the first value of the scan is already chaotic, so that the bound lies outside the fine grid.
     is_beyond: bool,
 }
 
-/// The spacing that was asked for, or that of the axis.
+/// The spacing that was asked for, or the default for the axis.
 ///
 /// # Errors
-/// If it makes no grid on the axis' range, or one of too many values.
+/// If the spacing gives fewer than two values, or too many, in the range of the axis.
 fn spacing(asked: Option<f64>, axis: &Axis) -> Result<f64, Failure> {
     let Some(spacing) = asked else {
         return Ok(onset::default_spacing(axis));
     };
     let range = (axis.last() - axis.first()).abs();
     let values = onset::count(axis, spacing);
-    // written so that NaN fails; with the whole range as spacing there are two values
+    // written so that NaN is refused; a spacing as large as the range gives two values
     if !(spacing > 0.0 && values >= 2.0) {
         return Err(Failure::Input(anyhow::anyhow!(
             "--onset-spacing {spacing} is out of range: it must be positive, and no more than the axis' range {}",
@@ -70,12 +70,12 @@ impl Search {
     /// The search over the axis of an experiment.
     ///
     /// # Errors
-    /// If the spacing does not fit the axis, or there is no machine at some value of the fine grid.
+    /// If the spacing does not fit the axis, or the machine is not valid at some value of the fine grid.
     pub fn new(asked: Option<f64>, experiment: &Experiment, settings: &Settings) -> Result<Self, Failure> {
         let axis = &experiment.design.axes()[0];
         let spacing = spacing(asked, axis)?;
         let fine = onset::fine_axis(axis, spacing);
-        // that there is a machine at the values of the axis says nothing of those in between
+        // the machine was checked at the values of the axis, but not between them
         let grid = Design::product(vec![fine.clone()], experiment.design.fixed);
         grid.extents().map_err(Failure::input)?;
         let definition = Definition::new(settings);
@@ -102,14 +102,14 @@ impl Search {
             axis: self.fine.clone(),
             starts,
         };
-        // what lies between onset and end is left out, and chaos confirmed besides
+        // an estimate: the values between onset and end are skipped, and the confirming runs come in addition
         let points = self.fine.count() * starts.len();
         let work = engine::instance_periods(&self.definition.settings, points);
         let [up, down] = analysis::compute(work, points, |observer| {
             let Some(up) = scan.first(Way::Up, backends, observer)? else {
                 return Ok(None);
             };
-            // what does not begin does not end
+            // without an onset there is no end
             let down = if up.found.is_some() {
                 scan.first(Way::Down, backends, observer)?
             } else {
@@ -144,7 +144,7 @@ impl Search {
 }
 
 impl Bound {
-    /// What the value is called at which the axis, but not chaos, begins or ends.
+    /// The name of the value at which the scan started, for a bound outside the fine grid.
     fn extreme(&self) -> &'static str {
         match self.way {
             Way::Up => "lowest",

@@ -19,8 +19,8 @@ use super::{Failure, report};
 /// The name of the command in files.
 const COMMAND: &str = "phase";
 
-/// Orbits are integrated on the CPU in f64, with frictional heat where gamma is not 0. The default is 32 measured periods after
-/// 300.
+/// Orbits are integrated on the CPU in f64, with frictional heat where gamma is not 0. The default is 32 measured periods after a
+/// transient of 300.
 #[derive(Args)]
 #[command(after_long_help = request::parameter_table())]
 pub struct PhaseArgs {
@@ -51,10 +51,10 @@ impl Checked for Options {
 
 /// Points of a path in each forcing period.
 const POINTS_PER_PERIOD: u32 = 157;
-/// More orbits in one picture are a tangle.
+/// Most orbits in one picture: more cannot be told apart.
 const MOST_ORBITS: usize = charts::MOST_CURVES;
 
-/// What holds where nothing else is asked for.
+/// The defaults of this command.
 pub fn defaults() -> Request {
     let mut defaults = analysis::defaults();
     defaults.sampling.periods = 32;
@@ -123,11 +123,11 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What was followed from one initial state at one point.
+/// The orbit from one initial state at one point.
 struct Orbit {
     point: Fixed,
     start: [f64; 2],
-    /// Of what varies.
+    /// Values of the coordinates that vary.
     values: Vec<f64>,
     path: Path,
 }
@@ -169,7 +169,7 @@ fn followed(experiment: &Experiment, starts: &[[f64; 2]]) -> Vec<Orbit> {
 }
 
 impl Orbit {
-    /// As the legend names it: by what varies, and by its initial state where there are several.
+    /// The name in the legend: the values that vary, and the initial state if there are several.
     fn name(&self, varied: &[Coordinate], by_start: bool) -> String {
         let values = varied.iter().zip(&self.values);
         let mut parts: Vec<String> = values

@@ -22,8 +22,8 @@ use super::{Failure, report};
 /// The name of the command in files.
 const COMMAND: &str = "poincare";
 
-/// Many orbits, begun within 1e-3 of (x0, y0), share the work; on a chaotic attractor they part within some tens of periods.
-/// The default is 500 periods of transient; measured periods follow from --points.
+/// Many orbits that begin within 1e-3 of (x0, y0) share the work; on a chaotic attractor they separate within some tens of
+/// periods. The default transient is 500 periods; the number of measured periods follows from --points.
 #[derive(Args)]
 #[command(after_long_help = request::parameter_table())]
 pub struct PoincareArgs {
@@ -69,10 +69,10 @@ fn check_window(window: &InitialBox) -> Result<(), String> {
     }
 }
 
-/// Pixels that the states of a cycle of up to 32 periods lie on, and as many more for those at the edges of some.
+/// Most pixels of a cycle: 32 for a cycle of up to 32 periods, and as many more for states at the edges of pixels.
 const MOST_CYCLE_PIXELS: usize = 64;
 
-/// What holds where nothing else is asked for.
+/// The defaults of this command.
 pub fn defaults() -> Request {
     let mut defaults = analysis::defaults();
     defaults.sampling.transient_periods = 500;
@@ -84,7 +84,7 @@ pub const HIDDEN: &[&str] = &["periods"];
 
 #[expect(
     clippy::too_many_lines,
-    reason = "a command is told from what is typed to what is written"
+    reason = "the code follows the command from its options to its files"
 )]
 pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     if args.experiment.periods.is_some() {
@@ -96,7 +96,7 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     let options = request::options(&args.options, &request)?;
     let asked = options.points.unwrap_or(POINTS);
     let orbits = u32::try_from(asked.div_ceil(64)).unwrap_or(ORBITS).min(ORBITS);
-    // a measurement needs more than a small section
+    // a measurement needs more periods than a small section
     request.sampling.periods = section::periods(asked, orbits).max(Sampling::LEAST_PERIODS);
     let experiment = analysis::resolve(&request)?;
     analysis::check_lasting(experiment.wears())?;
@@ -134,7 +134,7 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
         _ => (0, 0),
     };
     let inside = points.len() - outside;
-    // what the window shows of an attractor does not tell what it is
+    // the window may show only a part of the attractor, so the whole of it decides whether it is a cycle
     let whole = charts::section("", &points, None, None, SINGLE);
     let is_cycle = matches!(&whole.layers[..], [Layer::Density(density)] if density.occupied() <= MOST_CYCLE_PIXELS);
     let mut numerics = format!(

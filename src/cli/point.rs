@@ -16,14 +16,14 @@ use super::{Failure, analysis, progress, report, si};
 /// The name of the command in files.
 const COMMAND: &str = "point";
 
-/// One point is integrated on the CPU unless a GPU is asked for, since it would not fill one.
+/// One point is integrated on the CPU unless a GPU is asked for, since one point would not use a GPU fully.
 #[derive(Args)]
 #[command(after_long_help = request::help())]
 #[command(mut_arg("out", |arg| arg.help(OUT_HELP)))]
 pub struct PointArgs {
     #[command(flatten)]
     experiment: ExperimentArgs,
-    /// Tell all three exponents by the paper's procedure as well: three tangent vectors, orthonormalised by Gram and Schmidt in
+    /// Also print all three exponents by the paper's procedure: three tangent vectors, orthonormalised by Gram and Schmidt in
     /// steps of rk4 (at constant pressure; takes many times as long)
     #[arg(long)]
     gram_schmidt: bool,
@@ -62,10 +62,10 @@ pub fn run(args: &PointArgs) -> Result<(), Failure> {
         .map_err(Failure::backend)?
         .ok_or_else(|| Failure::Interrupted("nothing was measured".into()))?;
     let m = &measured[0];
-    // of the initial state whose exponent is reported
+    // the instance from the initial state whose exponent is reported
     let instance = experiment.design.point(0).with_initial_state(m.initial_state);
-    // the paper's spectrum is that of a constant pressure
-    let spectrum = (args.gram_schmidt && m.status == Status::Ok && !instance.is_rubbed())
+    // the paper's procedure holds only for constant pressure
+    let spectrum = (args.gram_schmidt && m.status == Status::Ok && !instance.has_heat_or_wear())
         .then(|| lyapunov_spectrum(&instance, &experiment.settings))
         .flatten();
     let beyond = si::beyond(&experiment.design.fixed, &m.contact, m.x_min.abs().max(m.x_max.abs()));
@@ -140,9 +140,9 @@ fn object(experiment: &Experiment, m: &Measurement, spectrum: Option<&Spectrum>,
     object
 }
 
-/// Measures the point by the default scheme, where another one does not resolve it.
+/// Measures the point again by the default scheme, after another scheme did not resolve it.
 fn by_default(experiment: &Experiment) -> Result<Option<Measurement>, Failure> {
-    if experiment.settings.integration.scheme == Scheme::Taylor || experiment.design.point(0).is_rubbed() {
+    if experiment.settings.integration.scheme == Scheme::Taylor || experiment.design.point(0).has_heat_or_wear() {
         return Ok(None);
     }
     let settings = Settings {
@@ -157,7 +157,7 @@ fn by_default(experiment: &Experiment) -> Result<Option<Measurement>, Failure> {
     Ok(measured.map_err(Failure::backend)?.map(|measured| measured[0]))
 }
 
-/// What is to be done where the default scheme was tried and gave this.
+/// The advice to the user, from the result of the default scheme.
 fn tried(by_default: &Measurement) -> String {
     match by_default.status {
         Status::Ok => format!(

@@ -1,6 +1,6 @@
-//! What is printed to standard output, and what becomes of it.
+//! Prints to standard output, and records failures to write.
 //!
-//! Owns the rule that output which is lost is an error. A reader that has gone away, as `head` does, is none.
+//! Owns the rule that lost output is an error. A reader that closes the pipe early, as `head` does, is no error.
 
 use std::fmt;
 use std::io::{self, ErrorKind, Write};
@@ -9,7 +9,7 @@ use std::sync::Mutex;
 /// The first failure to write.
 static LOST: Mutex<Option<String>> = Mutex::new(None);
 
-/// Prints; a failure is kept for [`lost`], since it is no reason to lose a computation.
+/// Prints. A failure to write does not stop the computation: it is recorded, and [`lost`] returns it later.
 pub fn print(text: fmt::Arguments<'_>) {
     note(io::stdout().write_fmt(text));
 }
@@ -20,7 +20,7 @@ pub fn lost() -> Option<String> {
     LOST.lock().ok().and_then(|lost| lost.clone())
 }
 
-/// Takes note of what became of output.
+/// Records a failure to write; a pipe that its reader has closed is no failure.
 pub fn note(written: io::Result<()>) {
     if let Err(error) = written
         && error.kind() != ErrorKind::BrokenPipe

@@ -12,6 +12,7 @@ use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressState, ProgressS
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use tribochaos::engine::Event;
+use tribochaos::results::Tally;
 
 /// The signal that asked a run to stop; 0 for none.
 static CAUGHT: OnceLock<Arc<AtomicUsize>> = OnceLock::new();
@@ -36,7 +37,7 @@ pub fn catch_signals() {
         if is_ignored(signal) {
             continue;
         }
-        // no handler means that the signal ends the program, as it did before
+        // if no handler can be installed, the signal ends the program, as it did before
         let _ = flag::register_conditional_shutdown(signal, exit_code(signal).into(), Arc::clone(&is_second))
             .and_then(|_| flag::register(signal, Arc::clone(&is_second)))
             .and_then(|_| flag::register_usize(signal, Arc::clone(caught()), signal as usize));
@@ -48,7 +49,7 @@ fn is_ignored(signal: i32) -> bool {
     let mut action = std::mem::MaybeUninit::<libc::sigaction>::zeroed();
     // SAFETY: without a new action nothing changes, and the old one is written to a place of its size.
     let read = unsafe { libc::sigaction(signal, std::ptr::null(), action.as_mut_ptr()) };
-    // SAFETY: it was zeroed, which is a value of the type, and written by the call if that succeeded.
+    // SAFETY: `action` was zeroed, which is a valid value of its type, and the call has written to it if it succeeded.
     read == 0 && unsafe { action.assume_init() }.sa_sigaction == libc::SIG_IGN
 }
 
@@ -57,7 +58,7 @@ fn is_ignored(_signal: i32) -> bool {
     false
 }
 
-/// As shells have it: 128 and the signal's number.
+/// The exit code that shells use: 128 plus the number of the signal.
 fn exit_code(signal: i32) -> u8 {
     128 + signal as u8
 }
@@ -79,18 +80,22 @@ pub fn stopped_by() -> (&'static str, u8) {
     (name, exit_code(signal))
 }
 
-/// How often there is a line where no terminal shows a bar.
+/// Time between two lines of progress, if there is no terminal for a bar.
 const LINES_EVERY: Duration = Duration::from_secs(30);
 
-/// What is known of a run's work, in instance-periods.
+/// The progress of a run. Work is counted in instance-periods.
 struct State {
     whole: u64,
     points: usize,
     began: Instant,
     /// Done by this run.
     done: AtomicU64,
-    /// Found done by an earlier one: progress, but no speed.
+    /// Done by an earlier run: this counts as progress, but not for the speed.
     found: AtomicU64,
+    /// Points of finished units, by their kind of motion.
+    tally: Mutex<Tally>,
+    /// Units that were found damaged.
+    damaged: AtomicU64,
 }
 
 impl State {
@@ -106,25 +111,53 @@ impl State {
         self.done.load(Ordering::Relaxed) + self.found.load(Ordering::Relaxed)
     }
 
-    /// None before anything is known.
+    /// The remaining time; None before there is any progress.
     fn left(&self) -> Option<Duration> {
         let rate = self.rate();
         (rate > 0.0).then(|| Duration::from_secs_f64(self.whole.saturating_sub(self.reached()) as f64 / rate))
+    }
+
+    fn count(&self, tally: &Tally) {
+        if let Ok(mut all) = self.tally.lock() {
+            all.add(tally);
+        }
+    }
+
+    /// How many points there are of each kind, and damaged units, such as `512 regular, 30 chaotic`.
+    fn counts(&self) -> String {
+        let tally = self.tally.lock().map(|tally| tally.clone()).unwrap_or_default();
+        let kinds = tally.kinds();
+        let mut counts: Vec<String> = kinds
+            .iter()
+            .map(|(name, count)| format!("{} {}", HumanCount(*count), name.replace('_', "-")))
+            .collect();
+        let damaged = self.damaged.load(Ordering::Relaxed);
+        if damaged > 0 {
+            counts.push(format!("{damaged} damaged units"));
+        }
+        counts.join(", ")
     }
 
     fn words(&self) -> String {
         let left = self
             .left()
             .map_or_else(|| "?".to_owned(), |left| HumanDuration(left).to_string());
-        format!(
+        let mut words = format!(
             "{:.0} %, {} points/s, {left} left",
             100.0 * self.reached() as f64 / self.whole.max(1) as f64,
             HumanCount(self.points_per_second())
-        )
+        );
+        let counts = self.counts();
+        if !counts.is_empty() {
+            words += "; ";
+            words += &counts;
+        }
+        words
     }
 }
 
-/// Progress over instance-periods, shown as points: a bar on a terminal, else a line with the time every half minute.
+/// Shows the progress of a run: a bar on a terminal, else a line with the time every half minute. Work is counted in
+/// instance-periods, and its speed is shown in points per second.
 pub struct Progress {
     bar: ProgressBar,
     state: Arc<State>,
@@ -133,18 +166,24 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// `instance_periods` in all, for a run over `points`.
-    pub fn new(instance_periods: u64, points: usize) -> Self {
+    /// For a run over `points` that takes `instance_periods` in all.
+    pub fn new(instance_periods: u64, points: usize, quiet: bool) -> Self {
         let state = Arc::new(State {
             whole: instance_periods,
             points,
             began: Instant::now(),
             done: AtomicU64::new(0),
             found: AtomicU64::new(0),
+            tally: Mutex::default(),
+            damaged: AtomicU64::new(0),
         });
-        let bar = ProgressBar::new(instance_periods);
+        let bar = if quiet {
+            ProgressBar::hidden()
+        } else {
+            ProgressBar::new(instance_periods)
+        };
         let (of_rate, of_left) = (Arc::clone(&state), Arc::clone(&state));
-        let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {points} points/s  {left} left")
+        let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {points} points/s  {left} left  {counts}")
             .expect("the template is well-formed")
             .with_key("points", move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
                 let _ = write!(out, "{}", HumanCount(of_rate.points_per_second()));
@@ -154,26 +193,41 @@ impl Progress {
                     let _ = write!(out, "{}", HumanDuration(left));
                 }
             });
+        let of_counts = Arc::clone(&state);
+        let style = style.with_key("counts", move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
+            let _ = write!(out, "{}", of_counts.counts());
+        });
         bar.set_style(style);
         Self {
             bar,
-            line: (!stderr().is_terminal()).then(|| Mutex::new(state.began)),
+            line: (!quiet && !stderr().is_terminal()).then(|| Mutex::new(state.began)),
             state,
         }
     }
 
-    /// Hears the events of a run; breaks it off after a signal.
-    #[expect(clippy::needless_pass_by_value, reason = "observers are given their events")]
+    /// Receives the events of a run; stops the run after a signal.
+    #[expect(clippy::needless_pass_by_value, reason = "an observer receives its events by value")]
     pub fn hear(&self, event: Event<'_>) -> ControlFlow<()> {
         match event {
             Event::Advanced(instance_periods) => {
                 self.state.done.fetch_add(instance_periods, Ordering::Relaxed);
                 self.bar.inc(instance_periods);
             }
-            Event::Found(instance_periods) => {
+            Event::Found {
+                tally,
+                instance_periods,
+            } => {
                 self.state.found.fetch_add(instance_periods, Ordering::Relaxed);
+                self.state.count(tally);
                 self.bar.inc(instance_periods);
             }
+            Event::Finished(tally) => self.state.count(tally),
+            Event::Damaged { unit, what } => {
+                self.state.damaged.fetch_add(1, Ordering::Relaxed);
+                self.bar
+                    .suspend(|| eprintln!("warning: unit {unit} is damaged ({what}), and is computed again"));
+            }
+            Event::Waiting => {}
             Event::FellBack { error, device } => {
                 self.bar
                     .suspend(|| eprintln!("warning: {error}\nwarning: going on with {device}"));
@@ -189,6 +243,11 @@ impl Progress {
         }
         until_stopped()
     }
+
+    /// Points of finished units, by their kind of motion.
+    pub fn tally(&self) -> Tally {
+        self.state.tally.lock().map(|tally| tally.clone()).unwrap_or_default()
+    }
 }
 
 impl Drop for Progress {
@@ -199,6 +258,9 @@ impl Drop for Progress {
 
 #[cfg(test)]
 mod tests {
+    use tribochaos::Measurement;
+    use tribochaos::backend::BackendKind;
+
     use super::*;
 
     #[test]
@@ -209,10 +271,15 @@ mod tests {
             began: Instant::now().checked_sub(Duration::from_secs(10)).unwrap(),
             done: AtomicU64::new(110),
             found: AtomicU64::new(500),
+            tally: Mutex::default(),
+            damaged: AtomicU64::new(0),
         };
         assert_eq!((state.reached(), state.points_per_second()), (610, 1));
         let left = state.left().unwrap().as_secs_f64();
         assert!((left - 390.0 / 11.0).abs() < 1.0, "{left}");
         assert!(state.words().starts_with("61 %, 1 points/s, "), "{}", state.words());
+        let runaway = Measurement::runaway(1.0, BackendKind::CpuF64);
+        state.count(&Tally::of(&[runaway, runaway]));
+        assert!(state.words().ends_with(" left; 2 runaway"), "{}", state.words());
     }
 }

@@ -8,7 +8,7 @@ use tribochaos::map::ParameterMap;
 use tribochaos::measure::Quantity;
 use tribochaos::picture::Style;
 use tribochaos::picture::colour::ColourScale;
-use tribochaos::store::MapStore;
+use tribochaos::store::Store;
 
 use super::json::JsonArgs;
 use super::outputs::{self, Outputs};
@@ -25,8 +25,8 @@ pub struct RenderArgs {
     /// Quantity to draw; may be repeated [default: lyapunov, period and the border's CSV]
     #[arg(long, value_name = "NAME", value_parser = request::named::<Quantity>)]
     quantity: Vec<Quantity>,
-    /// Ends of the colour scale; of a machine's exponents, pressure, temperature, wear and times in 1/s, Pa, K, m and s
-    /// [default: from the data]
+    /// Ends of the colour scale; with a machine in SI units: exponents in 1/s, pressure in Pa, temperature in K, wear in m and
+    /// times in s [default: from the data]
     #[arg(long, value_name = "LOW:HIGH", value_parser = request::limits, allow_hyphen_values = true)]
     limits: Option<[f64; 2]>,
     /// Colours: blue-red or purple-green [default: blue-red]
@@ -86,9 +86,9 @@ fn colours(name: &str) -> Result<ColourScale, String> {
 
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let name = outputs::name_of_store(&args.store).map_err(Failure::Input)?;
-    let map = MapStore::open(&args.store)
-        .and_then(|store| store.read_map())
-        .map_err(Failure::input)?;
+    let results = Store::open(&args.store).and_then(|store| store.read());
+    let map = ParameterMap::try_from(results.map_err(Failure::input)?).map_err(Failure::input)?;
+    outputs::check_held(&map, &args.quantity, &args.store).map_err(Failure::Input)?;
     if args.json.wanted() && args.out.is_none() {
         args.json.print(&report::object(&map));
         return Ok(());

@@ -1,4 +1,4 @@
-//! What is printed about a map: before, after, and of its audit.
+//! Texts about a map: before its run, after it, and about its audit.
 
 use std::fmt::Write as _;
 use std::time::Duration;
@@ -12,8 +12,9 @@ use tribochaos::experiment::{Experiment, Scheme, Settings};
 use tribochaos::machine::units::si;
 use tribochaos::map::{self, ParameterMap};
 use tribochaos::measure::{Class, Quantity, is_scheme_to_blame};
+use tribochaos::results::Tally;
 
-/// What an experiment computes.
+/// The plan of an experiment, in one line.
 pub fn plan(experiment: &Experiment) -> String {
     let settings = &experiment.settings;
     let mut plan = String::from("map");
@@ -128,7 +129,7 @@ impl Counts {
     }
 }
 
-/// What a map is of, its points by class and status, and what is beyond the model's limits, for `--json`.
+/// A map for `--json`: its experiment, its points by class and status, and the share beyond the model's limits.
 pub fn object(map: &ParameterMap) -> Value {
     let counts = Counts::of(map);
     let classes: serde_json::Map<String, Value> = Class::ALL
@@ -151,8 +152,11 @@ pub fn object(map: &ParameterMap) -> Value {
     })
 }
 
-/// What a map came out as; `work` was done in `elapsed` on `devices`.
-#[expect(clippy::too_many_lines, reason = "a report is told from its first line to its last")]
+/// The summary of a computed map; `work` was done in `elapsed` on `devices`.
+#[expect(
+    clippy::too_many_lines,
+    reason = "the code follows the report from its first line to its last"
+)]
 pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[String]) -> String {
     let mut text = String::new();
     let settings = &map.experiment.settings;
@@ -187,7 +191,7 @@ pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[St
         .map(|(class, count)| format!("{} {}", class.name(), share(count)))
         .collect();
     let _ = writeln!(text, "class:  {}", classes.join(", "));
-    let counted = |quantity, code| map.column(quantity).iter().filter(|value| **value == code).count();
+    let counted = |quantity, code| map.values(quantity).filter(|&value| value == code).count();
     if map.experiment.wears() {
         let transient = (0..points)
             .filter(|&index| map.is_computed(index) && map.class(index).is_none())
@@ -205,10 +209,10 @@ pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[St
         share(counts.runaway),
         share(counts.under_resolved)
     );
-    let column = |quantity| map.column(quantity).iter();
-    let defect = column(Quantity::Lyapunov)
-        .zip(column(Quantity::LyapunovSecond))
-        .zip(column(Quantity::Divergence))
+    let defect = map
+        .values(Quantity::Lyapunov)
+        .zip(map.values(Quantity::LyapunovSecond))
+        .zip(map.values(Quantity::Divergence))
         .enumerate()
         .filter(|(index, _)| !map.is_under_resolved(*index))
         .map(|(_, ((first, second), divergence))| (first + second - divergence).abs())
@@ -219,9 +223,10 @@ pub fn summary(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[St
             "check:  sum of the exponents = mean divergence to {defect:.1e} at every resolved point"
         );
     }
-    let blamed = column(Quantity::SchemeError)
-        .zip(column(Quantity::LyapunovError))
-        .filter(|(scheme, error)| is_scheme_to_blame(**scheme, **error))
+    let blamed = map
+        .values(Quantity::SchemeError)
+        .zip(map.values(Quantity::LyapunovError))
+        .filter(|&(scheme, error)| is_scheme_to_blame(scheme, error))
         .count();
     if blamed > 0 {
         let _ = writeln!(
@@ -279,4 +284,49 @@ pub fn audit(audit: &Audit) -> String {
         );
     }
     text
+}
+
+/// How many points there are of each kind of motion.
+pub fn kinds(tally: &Tally) -> String {
+    let points = tally.points().max(1) as f64;
+    let kinds = tally.kinds();
+    let kinds = kinds.iter().map(|(name, count)| {
+        format!(
+            "{} {count} ({:.1} %)",
+            name.replace('_', "-"),
+            100.0 * *count as f64 / points
+        )
+    });
+    kinds.collect::<Vec<_>>().join(", ")
+}
+
+/// A number of bytes as text, in a suitable unit.
+pub fn bytes(count: u64) -> String {
+    const UNITS: [&str; 5] = ["bytes", "kB", "MB", "GB", "TB"];
+    let rank = UNITS.len() - 1;
+    let rank = (0..rank)
+        .find(|&rank| (count as f64) < 1e3f64.powi(rank as i32 + 1))
+        .unwrap_or(rank);
+    let value = count as f64 / 1e3f64.powi(rank as i32);
+    let digits = usize::from(rank > 0 && value < 100.0);
+    format!("{value:.digits$} {}", UNITS[rank])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_shown_in_units_that_show_them() {
+        for (count, text) in [
+            (0, "0 bytes"),
+            (999, "999 bytes"),
+            (45_300, "45.3 kB"),
+            (9_400_000, "9.4 MB"),
+            (123_456_789_012, "123 GB"),
+            (5_000_000_000_000_000, "5000 TB"),
+        ] {
+            assert_eq!(bytes(count), text);
+        }
+    }
 }

@@ -24,7 +24,7 @@ pub struct ReproduceArgs {
     /// Coarse scans, in seconds, with the same rows and pictures
     #[arg(long)]
     quick: bool,
-    /// Compute figures again that are current, and replace full figures by quick ones, or quick ones by full ones
+    /// Compute current figures again, and replace full figures by quick ones or quick ones by full ones
     #[arg(long)]
     force: bool,
     #[command(flatten)]

@@ -1,6 +1,6 @@
 //! Options that describe an experiment, shared by the commands that compute.
 //!
-//! Owns the passage from strings to a [`Request`]; what a request means is the library's.
+//! Owns the conversion of strings to a [`Request`]; the library defines what a request means.
 
 use std::fmt::{Display, Write as _};
 use std::ops::RangeInclusive;
@@ -26,7 +26,7 @@ use super::{Failure, from};
 /// What is computed: parameters, and the machine that gives most of them.
 #[derive(Args, Clone)]
 pub struct SubjectArgs {
-    /// Value of a parameter, or of a quantity of the machine, that is no axis; may be repeated
+    /// Value of a parameter or of a quantity of the machine, if it is not an axis; may be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(Coordinate, f64)>,
     /// A machine in SI units, as `tribochaos machine --template` prints one. It gives the dimensionless parameters; its
@@ -34,7 +34,7 @@ pub struct SubjectArgs {
     #[arg(long, value_name = "FILE.TOML")]
     pub machine: Option<PathBuf>,
     /// Take the experiment from a file: TOML, as --print-experiment writes it, or a picture, a drawing, a table or a store of
-    /// this program; options override it. Of another command's file, its own options are left aside
+    /// this program; options override it. If the file is of another command, that command's own options are ignored
     #[arg(long, value_name = "FILE|STORE.zarr")]
     pub from: Option<PathBuf>,
     /// Print the resolved experiment as TOML, and stop
@@ -43,8 +43,9 @@ pub struct SubjectArgs {
 }
 
 impl SubjectArgs {
-    /// What a command, None for a map, begins with: the file of --from, over the command's own defaults. Of another command's file the options are
-    /// left aside, and the lengths of runs where the command has its own.
+    /// The request that a command (None for a map) starts from: the file of --from, completed by the command's own defaults. If
+    /// the file is of another command, its options are ignored. Its lengths of runs are ignored, too, if this command has its
+    /// own.
     ///
     /// # Errors
     /// If the file cannot be read, or holds no experiment.
@@ -60,7 +61,7 @@ impl SubjectArgs {
             return Ok(request);
         }
         if request.command.take().is_some() {
-            // they were typed as --at, which has no meaning for a command with axes
+            // the points were given by --at, which has no meaning for a command with axes
             request.points = None;
         }
         request.options.clear();
@@ -85,7 +86,7 @@ impl SubjectArgs {
         Ok(request)
     }
 
-    /// Prints the resolved experiment if that is all that is wanted; whether it was.
+    /// Prints the resolved experiment if only that was asked for; returns whether it was.
     pub fn prints(&self, written: &Request) -> bool {
         if self.print_experiment {
             print_text!("{}", written.to_toml());
@@ -93,14 +94,14 @@ impl SubjectArgs {
         self.print_experiment
     }
 
-    /// Puts what was typed over `request`.
+    /// Overrides the values of `request` by the typed ones.
     ///
     /// # Errors
-    /// If the machine's file cannot be read, or is none.
+    /// If the machine's file cannot be read, or holds no machine.
     pub fn apply(&self, request: &mut Request) -> Result<(), Failure> {
         if let Some(path) = &self.machine {
             request.machine = Some(read_machine(path).map_err(Failure::Input)?);
-            // the machine goes over what the file has of its parameters
+            // the machine replaces the file's values of all parameters that a machine determines
             let is_free = |name: &str| Parameter::from_name(name).is_ok_and(|parameter| governing(parameter).is_none());
             request.set.retain(|name, _| is_free(name));
         }
@@ -111,34 +112,34 @@ impl SubjectArgs {
     }
 }
 
-/// Numerical settings and fixed parameters; what is left out keeps the file's value, or the default, which
-/// [`tell_defaults`] puts into the help.
+/// Numerical settings and fixed parameters. An option that is left out keeps the value of the file, or else its default.
+/// [`tell_defaults`] adds the defaults to the help.
 #[derive(Args, Clone)]
 pub struct ExperimentArgs {
     #[command(flatten)]
     pub subject: SubjectArgs,
-    /// The paper's section 5, as reconstructed: biot 10, omega_tilde 0.1, no ramp, x0 = y0 = 0, h1 0.5, gamma 1.87,
-    /// k_w 0.01. --set and axes go over it
+    /// The paper's section 5, as reconstructed: biot 10, omega_tilde 0.1, no ramp, x0 = y0 = 0, h1 0.5, gamma 1.87, k_w 0.01.
+    /// --set and the axes override it
     #[arg(long, value_name = "paper", value_parser = preset, conflicts_with = "machine")]
     pub preset: Option<Preset>,
-    /// Stepping scheme: taylor, whose steps end at the friction layer's boundaries, rk4, the paper's fixed step, or radau,
-    /// which carries frictional heat and wear
+    /// Stepping scheme: taylor (its steps end at the boundaries of the friction layer), rk4 (fixed steps, as in the paper) or
+    /// radau (includes frictional heat and wear)
     #[arg(long, help_heading = "Numerical settings", value_parser = named::<Scheme>)]
     pub scheme: Option<Scheme>,
-    /// Steps in a forcing period, of taylor and radau the longest ones
+    /// Steps in a forcing period; for taylor and radau these are the longest steps
     #[arg(long, help_heading = "Numerical settings", value_name = "STEPS")]
     pub steps_per_period: Option<u32>,
-    /// Heat modes of the shaft, besides a lumped one for the rest
+    /// Heat modes of the shaft; one more (lumped) mode stands for all the rest
     #[arg(long, help_heading = "Numerical settings", value_name = "M")]
     pub modes: Option<u32>,
-    /// Error of a step of radau: of the sliding velocity (in the friction layer, over its half-width) and, relative, of
-    /// the pressure
+    /// Error that a step of radau may have: of the sliding velocity (in the friction layer, divided by its half-width), and of
+    /// the pressure (relative)
     #[arg(long, help_heading = "Numerical settings", value_name = "ERROR")]
     pub tolerance: Option<f64>,
     /// Forcing periods before the measurement; none where the contact wears
     #[arg(long, help_heading = "Numerical settings", value_name = "PERIODS")]
     pub transient_periods: Option<u32>,
-    /// Last periods of the transient, in which the tangent vectors turn to their directions
+    /// Last periods of the transient, in which the tangent vectors turn to the directions of the exponents
     #[arg(long, help_heading = "Numerical settings", value_name = "PERIODS")]
     pub align_periods: Option<u32>,
     /// Measured forcing periods
@@ -147,10 +148,10 @@ pub struct ExperimentArgs {
     /// Steps of rk4 between renormalisations of the tangent vectors, besides one at each period's end
     #[arg(long, help_heading = "Numerical settings", value_name = "STEPS")]
     pub renormalise_every: Option<u32>,
-    /// Stroboscopic states are the same where x and y differ by less
+    /// Two stroboscopic states are the same if x and y differ by less than this
     #[arg(long, help_heading = "Numerical settings", value_name = "DISTANCE")]
     pub period_tolerance: Option<f64>,
-    /// Longest period of the motion that is looked for, in forcing periods, up to 1024; twice as many must be measured
+    /// Longest period of the motion to look for, in forcing periods (at most 1024); twice as many periods must be measured
     #[arg(long, help_heading = "Numerical settings", value_name = "PERIODS")]
     pub max_period: Option<u32>,
     /// Initial states for each point: (x0, y0), and others from the initial box
@@ -174,8 +175,8 @@ pub struct ExperimentArgs {
 }
 
 impl ExperimentArgs {
-    /// What is asked of a command, None for a map. What was typed counts first, then the file of --from, then the command's own
-    /// defaults. Axes of the file count only if there are as many as the command has.
+    /// The request for a command (None for a map). Typed options have priority, then the file of --from, then the command's own
+    /// defaults. The axes of the file are used only if there are as many as the command has.
     ///
     /// # Errors
     /// If a file cannot be read, or is not what it should be.
@@ -207,7 +208,7 @@ impl ExperimentArgs {
         Ok(request)
     }
 
-    /// Puts what was typed over `request`.
+    /// Overrides the values of `request` by the typed ones.
     ///
     /// # Errors
     /// As [`SubjectArgs::apply`].
@@ -249,10 +250,10 @@ pub struct AskedAxis<'a> {
     pub default: Axis,
 }
 
-/// A command's options: what was typed, over what its file has.
+/// A command's options: those of its file, overridden by the typed ones.
 ///
 /// # Errors
-/// If the file has others.
+/// If the file has an option that the command does not have, or a value out of its range.
 pub fn options<O: Checked + Serialize + DeserializeOwned>(typed: &O, request: &Request) -> Result<O, Failure> {
     let mut table = request.options.clone();
     table.extend(toml::Table::try_from(typed).map_err(Failure::input)?);
@@ -264,7 +265,7 @@ pub fn options<O: Checked + Serialize + DeserializeOwned>(typed: &O, request: &R
     Ok(options)
 }
 
-/// Options whose values are limited: those of a file have not gone through the command line's own checks.
+/// Options with limited values. The parser of the command line checks only typed values, so those of a file are checked here.
 pub trait Checked {
     /// # Errors
     /// If a value is out of its range.
@@ -300,7 +301,7 @@ pub fn written(command: &str, experiment: &Experiment, options: &impl Serialize)
 }
 
 impl ExperimentArgs {
-    /// Takes the preset's values of parameters that are axes out of `request` again; those of --set stay, to be refused.
+    /// Removes the preset's values of parameters that are axes from `request`. Values of --set stay, and are refused later.
     fn leave_free(&self, axes: &[Coordinate], request: &mut Request) {
         if self.preset.is_some() {
             for axis in axes {
@@ -312,8 +313,8 @@ impl ExperimentArgs {
     }
 }
 
-/// The help of a command with the defaults of its [`ExperimentArgs`] as `defaults` has them, and without the options that
-/// it refuses or that mean nothing to it.
+/// Adds the values of `defaults` to the help of a command's [`ExperimentArgs`], and hides the options in `hidden`: those that the
+/// command refuses, or that have no meaning for it.
 pub fn tell_defaults(command: clap::Command, defaults: &Request, hidden: &[&'static str]) -> clap::Command {
     let Request {
         integration,
@@ -390,7 +391,7 @@ pub fn limits(text: &str) -> Result<[f64; 2], String> {
 }
 
 /// # Errors
-/// If the ends are none, or in the wrong order.
+/// If an end is not a finite number, or the ends are in the wrong order.
 pub fn check_limits([low, high]: [f64; 2]) -> Result<(), String> {
     if low < high && low.is_finite() && high.is_finite() {
         Ok(())
@@ -423,7 +424,7 @@ pub fn assignment(text: &str) -> Result<(Coordinate, f64), String> {
     Ok((coordinate, value))
 }
 
-/// A value by its name in files.
+/// Parses a value from the name that it has in files.
 pub fn named<T: for<'de> Deserialize<'de>>(text: &str) -> Result<T, String> {
     let deserializer: StrDeserializer<'_, ValueError> = text.into_deserializer();
     T::deserialize(deserializer).map_err(|error| error.to_string())

@@ -1,4 +1,4 @@
-//! Results of a machine in SI units: as objects, behind dimensionless numbers, and as warnings.
+//! Results of a machine in SI units: as objects, as text after dimensionless numbers, and as warnings.
 //!
 //! Owns the names and words; the scales are the library's.
 
@@ -11,7 +11,7 @@ use tribochaos::machine::units::si;
 use tribochaos::machine::{Machine, Scale, SiQuantity};
 use tribochaos::measure::Measurement;
 
-/// A dimensionless value in SI units, to stand behind it: ` (35.06 MPa)`; nothing without a machine.
+/// The SI value of a dimensionless number, to print after it: ` (35.06 MPa)`; empty without a machine.
 pub fn behind(at: &Fixed, value: f64, scale: Scale) -> String {
     match at.machine() {
         Some(machine) if value.is_finite() => {
@@ -21,7 +21,7 @@ pub fn behind(at: &Fixed, value: f64, scale: Scale) -> String {
     }
 }
 
-/// Prints what the contact came to; `held` is said where it was not lost.
+/// Prints the results of the contact; the text `held` is printed if contact was not lost.
 pub fn print_contact(at: &Fixed, contact: &Contact, held: &str) {
     let behind = |value: f64, scale: Scale| behind(at, value, scale);
     match contact.lost {
@@ -52,7 +52,7 @@ pub fn print_contact(at: &Fixed, contact: &Contact, held: &str) {
     );
 }
 
-/// What the contact came to; null without a machine.
+/// The results of the contact; null without a machine.
 pub fn contact(at: &Fixed, contact: &Contact) -> Value {
     let Some(machine) = at.machine() else {
         return Value::Null;
@@ -80,8 +80,8 @@ pub fn measurement(at: &Fixed, m: &Measurement) -> Value {
     object
 }
 
-/// Warnings of results that no machine of the material survives, or the model does not hold for, each a sentence; `angle` is
-/// the greatest magnitude of x.
+/// Warnings, each a sentence, of results that the material does not survive or for which the model does not hold. `angle` is the
+/// greatest magnitude of x.
 pub fn beyond(at: &Fixed, contact: &Contact, angle: f64) -> Vec<String> {
     let Some(machine) = at.machine() else {
         return Vec::new();
@@ -93,7 +93,7 @@ pub fn beyond(at: &Fixed, contact: &Contact, angle: f64) -> Vec<String> {
         .collect()
 }
 
-/// The frequency of a motion with a period in forcing periods, to stand behind it: ` (9.39 Hz)`; nothing without a machine.
+/// The frequency of a motion whose period is given in forcing periods, to print after it: ` (9.39 Hz)`; empty without a machine.
 pub fn frequency_behind(at: &Fixed, period: Option<u32>) -> String {
     match (at.machine(), period) {
         (Some(machine), Some(period)) => format!(" ({})", si(forcing_frequency(machine) / f64::from(period), "Hz")),
@@ -101,7 +101,7 @@ pub fn frequency_behind(at: &Fixed, period: Option<u32>) -> String {
     }
 }
 
-/// In Hz.
+/// The frequency of the drive, in Hz.
 fn forcing_frequency(machine: &Machine) -> f64 {
     machine.value(SiQuantity::ShaftSpeedFrequency) / TAU
 }

@@ -2,19 +2,16 @@
 //!
 //! Owns their spacing and the form in commands and files; knows nothing of other axes.
 
-use std::convert::Infallible;
-
 use serde::{Deserialize, Serialize};
 
-use super::Coordinate;
-use crate::machine::MachineError;
-use crate::parameters::ParameterError;
+use super::error::MOST_VALUES;
+use super::{AxisError, Coordinate};
 
-/// Values of one coordinate, as numbers between two ends or one by one.
+/// Values of one coordinate, given by two ends and a count, or one by one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written")]
 pub struct Axis {
-    /// What takes the values, in its own unit.
+    /// The coordinate that takes the values; they are in its unit.
     pub coordinate: Coordinate,
     spacing: Spacing,
 }
@@ -23,10 +20,10 @@ pub struct Axis {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Spacing {
     /// At equal distances, both ends included.
-    #[allow(missing_docs, reason = "told above for both kinds")]
+    #[allow(missing_docs, reason = "the doc of the type explains the fields of both kinds")]
     Even { start: f64, stop: f64, count: usize },
     /// At equal ratios, both ends included.
-    #[allow(missing_docs, reason = "told above for both kinds")]
+    #[allow(missing_docs, reason = "the doc of the type explains the fields of both kinds")]
     Logarithmic { start: f64, stop: f64, count: usize },
     /// One by one, in any order.
     Listed(Vec<f64>),
@@ -100,7 +97,7 @@ impl From<Axis> for Written {
 
 impl Axis {
     /// The most values an axis may have.
-    pub const MAX_COUNT: usize = 1_000_000;
+    pub const MAX_COUNT: usize = MOST_VALUES;
 
     /// `count` values at equal distances from `start` to `stop`, both included, of a coordinate or its name.
     ///
@@ -130,8 +127,8 @@ impl Axis {
     /// The given values, in their order, of a coordinate or its name.
     ///
     /// # Errors
-    /// If there is no coordinate of that name, a value is out of its range, infinite or there twice, or there are fewer than 2 or more
-    /// than [`Axis::MAX_COUNT`].
+    /// If there is no coordinate of that name, if a value is out of its range, infinite or repeated, or if there are fewer than 2
+    /// or more than [`Axis::MAX_COUNT`] values.
     pub fn listed<C>(coordinate: C, values: impl Into<Vec<f64>>) -> Result<Self, AxisError>
     where
         C: TryInto<Coordinate>,
@@ -173,7 +170,7 @@ impl Axis {
         Ok(axis)
     }
 
-    /// The axis as it is typed: `NAME=START:STOP:COUNT`, `NAME=log:START:STOP:COUNT`, or `NAME=V1,V2,...`.
+    /// Reads an axis as it is typed: `NAME=START:STOP:COUNT`, `NAME=log:START:STOP:COUNT`, or `NAME=V1,V2,...`.
     ///
     /// # Errors
     /// If the text has another form, or as [`Axis::even`], [`Axis::logarithmic`] and [`Axis::listed`].
@@ -210,7 +207,7 @@ impl Axis {
         }
     }
 
-    /// How the values lie, as the axis was asked for.
+    /// The spacing of the values, as it was requested.
     pub fn spacing(&self) -> &Spacing {
         &self.spacing
     }
@@ -249,7 +246,7 @@ impl Axis {
         [least, greatest]
     }
 
-    /// Values at equal distances that follow from another axis; one value is allowed.
+    /// Values at equal distances, derived from another axis. They are not checked, and a single value is allowed.
     pub(crate) fn fine(coordinate: Coordinate, start: f64, stop: f64, count: usize) -> Self {
         Self {
             coordinate,
@@ -257,7 +254,7 @@ impl Axis {
         }
     }
 
-    /// The axis of its ends alone.
+    /// The axis reduced to its two ends.
     pub(super) fn between_ends(&self) -> Self {
         Self {
             coordinate: self.coordinate,
@@ -265,8 +262,8 @@ impl Axis {
         }
     }
 
-    /// The value at `index` in `0..count`; the ends are met exactly. A value that is a short decimal is the number that typing
-    /// it gives, bit for bit, so that it is found by its value.
+    /// The value at `index` in `0..count`; the ends are exact. A value that is a short decimal is bit for bit the number that
+    /// one gets by typing it. One can therefore find it by its value.
     pub fn value(&self, index: usize) -> f64 {
         let part = |count: usize| index as f64 / (count - 1) as f64;
         match &self.spacing {
@@ -281,13 +278,13 @@ impl Axis {
             }
             Spacing::Even { start, stop, count } => {
                 let t = part(*count);
-                // by adding up, rounding to a few spacings of the larger end
+                // the sum has a rounding error of a few spacings of f64 at the larger end
                 as_typed(start * (1.0 - t) + stop * t, start.abs().max(stop.abs()), 4.0)
             }
             Spacing::Logarithmic { start, stop, count } => {
                 let t = part(*count);
                 let value = (start.ln() * (1.0 - t) + stop.ln() * t).exp();
-                // rounding of the logarithm counts as often as it is large
+                // the relative error of the value is the rounding error of the logarithm, which is proportional to its size
                 as_typed(value, value, 4.0 * (2.0 + value.ln().abs()))
             }
             Spacing::Listed(values) => values[index],
@@ -299,8 +296,8 @@ impl Axis {
         (0..self.count()).map(|index| self.value(index)).collect()
     }
 
-    /// Where a value lies among the rising values: at 0 the least one, at `count - 1` the greatest. Between neighbours the place is
-    /// linear in the value, and of a logarithmic axis in its logarithm; beyond the outermost it goes on so.
+    /// The position of a value among the rising values: 0 is the least one, `count - 1` the greatest. Between neighbours the
+    /// position is linear in the value, or in its logarithm on a logarithmic axis; beyond the ends it is extrapolated.
     pub fn place(&self, value: f64) -> f64 {
         let between = |low: f64, high: f64, part: f64| (part - low) / (high - low);
         match &self.spacing {
@@ -323,7 +320,7 @@ impl Axis {
         }
     }
 
-    /// The axis with `count` values between the same ends: at equal distances, or at equal ratios where its own are.
+    /// The axis with `count` values between the same ends: at equal ratios if this axis is logarithmic, else at equal distances.
     #[must_use]
     pub fn resampled(&self, count: usize) -> Self {
         let mut axis = self.clone();
@@ -346,10 +343,10 @@ impl Axis {
     }
 }
 
-/// Digits of a short decimal, counted from the first of a scale.
+/// Significant digits of a short decimal, counted from the first digit of the scale.
 const DIGITS: f64 = 13.0;
 
-/// The short decimal that lies within so many spacings of `scale` of a value; else the value itself.
+/// The short decimal next to `value`, if they differ by at most `spacings` spacings of f64 at `scale`; else `value` itself.
 fn as_typed(value: f64, scale: f64, spacings: f64) -> f64 {
     if !scale.is_normal() {
         return value;
@@ -360,38 +357,6 @@ fn as_typed(value: f64, scale: f64, spacings: f64) -> f64 {
         decimal
     } else {
         value
-    }
-}
-
-/// Why something is no axis.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[allow(missing_docs, reason = "the messages tell what each is")]
-pub enum AxisError {
-    #[error(
-        "`{text}` is no axis: write NAME=START:STOP:COUNT, NAME=log:START:STOP:COUNT or NAME=V1,V2,..., for example zeta_k=0:12:300"
-    )]
-    Malformed { text: String },
-    #[error("the axis of {name} needs start, stop and count, or values")]
-    Incomplete { name: &'static str },
-    #[error("the axis of {name} starts and stops at {value}: give it two different ends")]
-    Empty { name: &'static str, value: f64 },
-    #[error("the axis of {name} runs to infinity: give it finite values")]
-    Infinite { name: &'static str },
-    #[error("the axis of {name} has {count} values: it needs 2 to {max}", max = Axis::MAX_COUNT)]
-    Count { name: &'static str, count: usize },
-    #[error("the axis of {name} is logarithmic and has an end at {value}: both ends must be above 0")]
-    NotPositive { name: &'static str, value: f64 },
-    #[error("the axis of {name} has the value {value} twice: leave one out")]
-    Twice { name: &'static str, value: f64 },
-    #[error(transparent)]
-    Parameter(#[from] ParameterError),
-    #[error(transparent)]
-    Machine(#[from] MachineError),
-}
-
-impl From<Infallible> for AxisError {
-    fn from(never: Infallible) -> Self {
-        match never {}
     }
 }
 

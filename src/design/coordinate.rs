@@ -1,6 +1,6 @@
 //! What can be set and varied: a dimensionless parameter or a quantity of a machine.
 //!
-//! Owns the passage from names; ranges are those of the two tables.
+//! Owns the conversion from names; the ranges are in the tables of parameters and of quantities.
 
 use std::fmt;
 
@@ -10,12 +10,12 @@ use super::{AxisError, DesignError};
 use crate::machine::{self, SI_QUANTITIES, SiQuantity};
 use crate::parameters::{self, PARAMETERS, Parameter, ParameterError};
 
-/// What an axis runs over and what can be set: a dimensionless parameter, or a quantity of a machine in SI units.
+/// A dimensionless parameter, or a quantity of a machine in SI units. Either can be set or be an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Coordinate {
     /// Dimensionless.
     Parameter(Parameter),
-    /// In the unit that [`Fixed::unit`](super::Fixed::unit) tells; only where there is a machine.
+    /// In the unit that [`Fixed::unit`](super::Fixed::unit) gives; only if there is a machine.
     Si(SiQuantity),
 }
 
@@ -55,7 +55,7 @@ impl Coordinate {
         }
     }
 
-    /// What it is, in a few words: as its table has it.
+    /// Its meaning in a few words, from its table.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Parameter(parameter) => parameter.info().meaning,
@@ -81,7 +81,7 @@ impl Coordinate {
         })
     }
 
-    /// Checks that it can be set, or be an axis, where there is a machine or none.
+    /// Checks that the coordinate can be set or be an axis, with a machine (`has_machine`) or without one.
     ///
     /// # Errors
     /// [`DesignError::Determined`] or [`DesignError::NoMachine`].
@@ -99,7 +99,7 @@ impl Coordinate {
     /// Checks that it may take `value`.
     ///
     /// # Errors
-    /// If the value is out of range, or no number.
+    /// If the value is out of range, or not a number.
     pub fn check(self, value: f64) -> Result<(), AxisError> {
         match self {
             Self::Parameter(parameter) => Ok(parameter.check(value)?),

@@ -1,6 +1,6 @@
-//! What holds at every point of a grid.
+//! The values that all points of a design have in common.
 //!
-//! Owns that parameters and the machine from which they follow agree.
+//! Owns the agreement of the parameters with the machine from which they follow.
 
 use std::ops::Index;
 
@@ -8,8 +8,8 @@ use super::Coordinate;
 use crate::machine::{self, Machine, SiQuantity};
 use crate::parameters::{Parameter, ParameterSet};
 
-/// The values that hold at every point of a grid, but along its axes: a value for every parameter and, where there is one,
-/// the machine from which most of them follow.
+/// The values that all points of a design have in common, except for the coordinates that vary: a value for every parameter
+/// and, if there is a machine, the machine from which most of them follow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fixed {
     parameters: ParameterSet,
@@ -30,7 +30,7 @@ impl Index<Parameter> for Fixed {
 }
 
 impl Fixed {
-    /// What a machine determines goes over the value in `parameters`.
+    /// A parameter that the machine determines replaces its value in `parameters`.
     pub fn new(parameters: ParameterSet, machine: Option<Machine>) -> Self {
         Self {
             parameters: machine.map_or(parameters, |machine| machine.parameters(&parameters)),
@@ -43,12 +43,12 @@ impl Fixed {
         &self.parameters
     }
 
-    /// None where parameters are set one by one.
+    /// The machine; None if the parameters are set one by one.
     pub fn machine(&self) -> Option<&Machine> {
         self.machine.as_ref()
     }
 
-    /// With other values of some coordinates (not checked). A quantity of a machine that is not there changes nothing.
+    /// A copy with other values of some coordinates (not checked). Without a machine, a quantity of a machine changes nothing.
     #[must_use]
     pub fn at(&self, values: impl IntoIterator<Item = (Coordinate, f64)>) -> Self {
         let Self {
@@ -67,7 +67,7 @@ impl Fixed {
         Self::new(parameters, machine)
     }
 
-    /// With the initial state (x, y).
+    /// A copy with the initial state (x, y).
     #[must_use]
     pub fn from_state(&self, [x, y]: [f64; 2]) -> Self {
         self.at([(Parameter::X0.into(), x), (Parameter::Y0.into(), y)])
@@ -87,7 +87,7 @@ impl Fixed {
         }
     }
 
-    /// Whether a parameter changes where a coordinate does.
+    /// Whether a parameter changes if a coordinate changes.
     pub fn moves(&self, coordinate: Coordinate, parameter: Parameter) -> bool {
         match (coordinate, &self.machine) {
             (Coordinate::Parameter(own), _) => own == parameter,

@@ -4,34 +4,39 @@
 
 mod axis;
 mod coordinate;
+mod error;
 mod fixed;
 mod points;
+mod sample;
 
 use std::ops::Index;
 
 use rayon::prelude::*;
 
-pub use axis::{Axis, AxisError, Spacing};
+pub use axis::{Axis, Spacing};
 pub use coordinate::Coordinate;
+pub use error::{AxisError, DesignError};
 pub use fixed::Fixed;
 pub use points::{Points, PointsError};
+pub use sample::{Method, Plan, Sample, SampleError, Side};
 
-use crate::machine::{self, Machine, MachineError, SiQuantity};
+use crate::machine::{self, Machine};
 use crate::parameters::{PARAMETERS, Parameter, ParameterSet};
 
-/// Which points are computed: what varies, and what all have in common.
+/// The points that are computed: what varies, and what all of them have in common.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design {
     /// What differs from point to point.
     pub varied: Varied,
-    /// What holds at every point, but for the coordinates that vary.
+    /// The values that all points have in common, except for the coordinates that vary.
     pub fixed: Fixed,
 }
 
 /// What varies from point to point.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Varied {
-    /// Every combination of the values of the axes, the first axis fastest. Two axes make a map, one a line, none a point.
+    /// Every combination of the values of the axes; the first axis varies fastest. Two axes make a map, one axis a line, no axis a
+    /// single point.
     Axes(Vec<Axis>),
     /// Points one by one.
     Points(Points),
@@ -86,7 +91,7 @@ impl Varied {
         }
     }
 
-    /// The same with the quantities of a machine alone.
+    /// What varies of the machine: the axes that are quantities of it, or all columns of a list that has such a quantity.
     fn of_machine(&self) -> Self {
         let is_si = |coordinate: &Coordinate| matches!(coordinate, Coordinate::Si(_));
         match self {
@@ -97,7 +102,7 @@ impl Varied {
     }
 }
 
-/// Least and greatest value of every parameter over a grid.
+/// Least and greatest value of every parameter over a design.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extents([(f64, f64); Parameter::COUNT]);
 
@@ -124,7 +129,7 @@ impl Extents {
     }
 }
 
-/// The first coordinate that is there a second time.
+/// The first coordinate that occurs a second time.
 pub fn first_twice(coordinates: &[Coordinate]) -> Option<Coordinate> {
     let mut rest = coordinates.iter().enumerate();
     let found = rest.find(|(index, coordinate)| coordinates[..*index].contains(coordinate));
@@ -132,7 +137,7 @@ pub fn first_twice(coordinates: &[Coordinate]) -> Option<Coordinate> {
 }
 
 impl Design {
-    /// The product of some axes.
+    /// All combinations of the values of some axes.
     pub fn product(axes: Vec<Axis>, fixed: Fixed) -> Self {
         Self {
             varied: Varied::Axes(axes),
@@ -140,7 +145,7 @@ impl Design {
         }
     }
 
-    /// The axes; none of a list of points.
+    /// The axes; empty for a list of points.
     pub fn axes(&self) -> &[Axis] {
         match &self.varied {
             Varied::Axes(axes) => axes,
@@ -172,7 +177,7 @@ impl Design {
         self.fixed.at(self.varied.values(index))
     }
 
-    /// The machines at the corners of a product of axes, or at all points of a list; none without a machine.
+    /// The machines at the corners of a product of axes, or at all points of a list; empty without a machine.
     pub fn extreme_machines(&self) -> Vec<Machine> {
         let machines = |design: &Self| (0..design.len()).filter_map(|index| design.machine(index)).collect();
         match &self.varied {
@@ -184,14 +189,14 @@ impl Design {
         }
     }
 
-    /// The most points over quantities of a machine: each is checked beforehand.
-    pub const MAX_MACHINES: usize = 200_000_000;
+    /// The most points that a design may have over quantities of a machine: each is checked before the run.
+    pub const MAX_MACHINES: usize = error::MOST_MACHINES;
 
-    /// Least and greatest value of every parameter. Over quantities of a machine parameters need not be monotone, so that
-    /// each of its values counts.
+    /// Least and greatest value of every parameter. A parameter need not be a monotone function of the quantities of a machine;
+    /// it is therefore evaluated at every point over these quantities.
     ///
     /// # Errors
-    /// [`DesignError`] if the machine has no parameters, or ones out of range, somewhere in the design.
+    /// [`DesignError`] if, somewhere in the design, the parameters of the machine do not exist or are out of range.
     #[expect(clippy::missing_panics_doc, reason = "a design has points")]
     pub fn extents(&self) -> Result<Extents, DesignError> {
         let machines = Self {
@@ -222,7 +227,7 @@ impl Design {
         Ok(extents)
     }
 
-    /// What varies, at a point, in words.
+    /// The values of the varied coordinates at a point, as text.
     pub fn place(&self, index: usize) -> String {
         let values = self.varied.values(index).into_iter().map(|(coordinate, value)| {
             let value = machine::units::si(value, self.fixed.unit(coordinate));
@@ -232,29 +237,10 @@ impl Design {
     }
 }
 
-/// Why something is no design.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[allow(missing_docs, reason = "the messages tell what each is")]
-pub enum DesignError {
-    #[error(
-        "{parameter} follows from the machine: set {governing} ({}) instead, or make that an axis",
-        governing.info().meaning
-    )]
-    Determined {
-        parameter: Parameter,
-        governing: SiQuantity,
-    },
-    #[error("{name} is a quantity of a machine, and there is none: give one by --machine, or in the table `machine`")]
-    NoMachine { name: &'static str },
-    #[error("{}{error}", if place.is_empty() { String::new() } else { format!("at {place}: ") })]
-    Machine { place: String, error: MachineError },
-    #[error("{count} points over quantities of a machine are too many (at most {max}): use fewer", max = Design::MAX_MACHINES)]
-    TooMany { count: usize },
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::SiQuantity;
 
     #[test]
     fn the_first_axis_varies_fastest_and_the_ends_are_met() {
@@ -299,7 +285,7 @@ mod tests {
         assert_eq!(point[Parameter::ZetaK], 300.0 * machine.scales().time);
     }
 
-    /// omega_0 falls and rises again over the bush's radius: the ends of an axis do not tell the extremes.
+    /// Over the bush's radius, omega_0 first falls and then rises: its extremes need not lie at the ends of the axis.
     #[test]
     fn extents_are_those_of_all_points() {
         let changes = [

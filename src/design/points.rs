@@ -1,10 +1,10 @@
 //! Lists of points.
 //!
-//! Owns that every value of a list is one that its coordinate may take; knows nothing of files.
+//! Owns the check that every value of a list is allowed for its coordinate; knows nothing of files.
 
 use serde::{Deserialize, Serialize};
 
-use super::{Coordinate, first_twice};
+use super::{AxisError, Coordinate, Sample, SampleError, first_twice};
 
 /// Points one by one: a value of each coordinate for every point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -13,29 +13,60 @@ pub struct Points {
     coordinates: Vec<Coordinate>,
     /// Row by row, a row for each point.
     values: Vec<f64>,
+    /// The sample that they are, if they are one: it stands for them in files.
+    sample: Option<Sample>,
 }
 
-/// The form of a list in files.
+/// The form of a list in files: columns and rows, or a sample.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Written {
-    columns: Vec<Coordinate>,
-    rows: Vec<Vec<f64>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    columns: Option<Vec<Coordinate>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    rows: Option<Vec<Vec<f64>>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    sample: Option<Sample>,
 }
 
 impl TryFrom<Written> for Points {
     type Error = PointsError;
     fn try_from(written: Written) -> Result<Self, PointsError> {
-        Self::new(written.columns, &written.rows)
+        match (written.columns, written.rows, written.sample) {
+            (Some(columns), Some(rows), None) => Self::new(columns, &rows),
+            (None, None, Some(sample)) => {
+                sample.check()?;
+                Ok(Self::from(sample))
+            }
+            _ => Err(PointsError::Incomplete),
+        }
     }
 }
 
 impl From<Points> for Written {
     fn from(points: Points) -> Self {
+        if points.sample.is_some() {
+            return Self {
+                columns: None,
+                rows: None,
+                sample: points.sample,
+            };
+        }
         let rows = (0..points.len()).map(|index| points.row(index).to_vec()).collect();
         Self {
-            columns: points.coordinates,
-            rows,
+            columns: Some(points.coordinates),
+            rows: Some(rows),
+            sample: None,
+        }
+    }
+}
+
+impl From<Sample> for Points {
+    fn from(sample: Sample) -> Self {
+        Self {
+            coordinates: sample.coordinates(),
+            values: sample.values(),
+            sample: Some(sample),
         }
     }
 }
@@ -44,7 +75,7 @@ impl Points {
     /// The points whose values of `coordinates` are the rows.
     ///
     /// # Errors
-    /// All that is wrong with them, row by row: see [`PointsError`].
+    /// [`PointsError`], which names all faults of the rows.
     pub fn new<Row: AsRef<[f64]>>(coordinates: Vec<Coordinate>, rows: &[Row]) -> Result<Self, PointsError> {
         let columns = coordinates.len();
         if columns == 0 || rows.is_empty() {
@@ -72,10 +103,63 @@ impl Points {
         Ok(Self {
             coordinates,
             values: rows.iter().flat_map(|row| row.as_ref().iter().copied()).collect(),
+            sample: None,
         })
     }
 
-    /// What the values of a row are of, in their order.
+    /// Reads a table of comma-separated values: names of coordinates in the first line, a point in each other one. Lines that begin
+    /// with `#` are comments; a byte order mark is passed over.
+    ///
+    /// # Errors
+    /// If the text is not UTF-8, a name is unknown, or as [`Points::new`], with all faults of the table at once.
+    pub fn from_csv(text: &[u8]) -> Result<Self, PointsError> {
+        let text = text.strip_prefix("\u{feff}".as_bytes()).unwrap_or(text);
+        let text = std::str::from_utf8(text).map_err(|error| PointsError::Encoding {
+            line: 1 + String::from_utf8_lossy(&text[..error.valid_up_to()])
+                .matches('\n')
+                .count(),
+        })?;
+        let mut reader = csv::ReaderBuilder::new()
+            .comment(Some(b'#'))
+            .flexible(true)
+            .trim(csv::Trim::All)
+            .from_reader(text.as_bytes());
+        let header = reader.headers().map_err(|error| PointsError::Table {
+            reason: error.to_string(),
+        })?;
+        let coordinates = header
+            .iter()
+            .map(Coordinate::from_name)
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(AxisError::from)?;
+        let (mut rows, mut faults) = (Vec::new(), Vec::new());
+        for (index, record) in reader.records().enumerate() {
+            let record = record.map_err(|error| PointsError::Table {
+                reason: error.to_string(),
+            })?;
+            let mut row = Vec::with_capacity(record.len());
+            for (column, field) in record.iter().enumerate() {
+                row.push(field.parse().unwrap_or_else(|_| {
+                    let name = coordinates
+                        .get(column)
+                        .map_or("beyond the last", |coordinate| coordinate.name());
+                    faults.push(format!("row {}, column {name}: `{field}` is no number", index + 1));
+                    0.0
+                }));
+            }
+            rows.push(row);
+        }
+        match (Self::new(coordinates, &rows), faults.is_empty()) {
+            (points, true) => points,
+            (Err(PointsError::Values { faults: others }), false) => {
+                faults.extend(others);
+                Err(PointsError::Values { faults })
+            }
+            (_, false) => Err(PointsError::Values { faults }),
+        }
+    }
+
+    /// The coordinates of the values in a row, in their order.
     pub fn coordinates(&self) -> &[Coordinate] {
         &self.coordinates
     }
@@ -85,7 +169,7 @@ impl Points {
         self.values.len() / self.coordinates.len()
     }
 
-    /// Whether there is no point; never the case.
+    /// Whether there is no point; always false.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
@@ -108,22 +192,32 @@ impl Points {
     }
 }
 
-/// Why something is no list of points.
+/// Why a list of points is not valid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages tell what each is")]
 pub enum PointsError {
     #[error("the list of points is empty: give it at least one column and one row")]
     Empty,
+    #[error("a list of points has `columns` and `rows`, or a `sample`")]
+    Incomplete,
+    #[error(transparent)]
+    Sample(#[from] SampleError),
+    #[error(transparent)]
+    Coordinate(#[from] AxisError),
+    #[error("line {line} is not UTF-8: save the table in this encoding")]
+    Encoding { line: usize },
+    #[error("the table cannot be read: {reason}")]
+    Table { reason: String },
     #[error("the list of points has the column {name} twice: leave one out")]
     ColumnTwice { name: &'static str },
     #[error("the list of points has {} faulty values:\n{}", faults.len(), shown(faults))]
     Values {
-        /// One for each, naming row, column, value and limit.
+        /// A text for each fault, with row, column, value and limit.
         faults: Vec<String>,
     },
 }
 
-/// Faults that a message names one by one.
+/// The most faults that a message names one by one.
 const SHOWN: usize = 20;
 
 fn shown(faults: &[String]) -> String {
@@ -150,6 +244,44 @@ mod tests {
         assert_eq!(list.ends(), [[3.0, 4.0], [-0.25, 0.5]]);
         let written = toml::to_string(&list).unwrap();
         assert_eq!(toml::from_str::<Points>(&written).unwrap(), list, "{written}");
+    }
+
+    #[test]
+    fn tables_are_read_with_comments_and_a_byte_order_mark() {
+        let read = |text: &str| Points::from_csv(text.as_bytes());
+        let list = points(&[&[3.0, 0.5], &[4.0, -0.25]]).unwrap();
+        assert_eq!(read("zeta_k,h1\n3,0.5\n4,-0.25\n"), Ok(list.clone()));
+        assert_eq!(
+            read("\u{feff}# a note\r\nzeta_k, h1\r\n3.0,5e-1\r\n# more\r\n4, -0.25"),
+            Ok(list)
+        );
+        let faults = read("zeta_k,h1\n3,\nabc,0.1\nNaN,0.2\n1,2,3\n")
+            .unwrap_err()
+            .to_string();
+        for part in [
+            "row 1, column h1: `` is no number",
+            "row 2, column zeta_k: `abc` is no number",
+            "row 3, column zeta_k: zeta_k = NaN is out of range",
+            "row 4 has 3 values for 2 columns",
+        ] {
+            assert!(faults.contains(part), "{faults}");
+        }
+        assert_eq!(read("h1,h1\n1,2\n"), Err(PointsError::ColumnTwice { name: "h1" }));
+        assert_eq!(read("zeta_k,h1\n"), Err(PointsError::Empty));
+        assert!(read("zeta,h1\n1,2\n").unwrap_err().to_string().contains("zeta_k"));
+        let latin = b"zeta_k,h1\n3,1\n# K\xfchler\n4,1\n";
+        assert_eq!(Points::from_csv(latin), Err(PointsError::Encoding { line: 3 }));
+    }
+
+    #[test]
+    fn a_sample_is_written_as_one() {
+        let side = crate::design::Side::parse("zeta_k=3:5").unwrap();
+        let points = Points::from(Sample::new("sobol:64".parse().unwrap(), vec![side]).unwrap());
+        let written = toml::to_string(&points).unwrap();
+        assert!(written.len() < 150, "{written}");
+        assert_eq!(toml::from_str::<Points>(&written).unwrap(), points, "{written}");
+        assert!(toml::from_str::<Points>(&written.replace("64", "0")).is_err());
+        assert!(toml::from_str::<Points>("columns = [\"h1\"]").is_err());
     }
 
     #[test]

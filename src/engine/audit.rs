@@ -1,6 +1,6 @@
-//! The audit of results: some of their points computed again on the CPU in f64.
+//! The audit of results: some of their points are computed again on the CPU in f64.
 //!
-//! Owns the choice of points and what agreement means; does not change them.
+//! Owns the choice of points and what agreement means; does not change the results.
 
 use serde::{Deserialize, Serialize};
 
@@ -25,16 +25,16 @@ pub struct ClassAudit {
     pub class: Option<Class>,
     /// Points of the class that were computed again.
     pub points: usize,
-    /// Points that the reference puts into the same class, and whose contact is lost, or held, in both.
+    /// Points that the reference puts into the same class, and whose contact is lost in both computations or held in both.
     pub same_class: usize,
-    /// Points whose exponents differ by at most three combined standard errors, or [`EXPONENT_FLOOR`].
+    /// Points whose exponents differ by at most three combined standard errors, or by at most [`EXPONENT_FLOOR`].
     pub same_exponent: usize,
     /// Largest difference between the exponents.
     pub largest_difference: f64,
 }
 
-/// Exponents of regular orbits, whose standard error vanishes, agree where they differ by no more than this: the
-/// rounding of f32.
+/// Exponents agree in any case if they differ by no more than this, which is the rounding of f32. Regular orbits need this
+/// bound, since their standard error vanishes.
 pub const EXPONENT_FLOOR: f64 = 1e-3;
 
 impl Audit {
@@ -43,8 +43,8 @@ impl Audit {
         self.classes.iter().map(|row| row.points).sum()
     }
 
-    /// Whether at least 98 % of the points of each class that is decided agree in class (one point may always differ),
-    /// and 95 % of their exponents within their errors.
+    /// Whether at least 98 % of the points of each class but `undecided` agree in class (one point may always differ), and at
+    /// least 95 % of all these points agree in their exponents, within the errors.
     pub fn passes(&self) -> bool {
         let decided = self.classes.iter().filter(|row| row.class != Some(Class::Undecided));
         let points: usize = decided.clone().map(|row| row.points).sum();
@@ -55,19 +55,19 @@ impl Audit {
             && different as f64 <= 0.05 * points as f64
     }
 
-    /// Points of all classes that agree as [`ClassAudit::same_class`] tells.
+    /// Points of all classes that agree in the sense of [`ClassAudit::same_class`].
     pub fn same_class(&self) -> usize {
         self.classes.iter().map(|row| row.same_class).sum()
     }
 
-    /// Points of all classes that agree as [`ClassAudit::same_exponent`] tells.
+    /// Points of all classes that agree in the sense of [`ClassAudit::same_exponent`].
     pub fn same_exponent(&self) -> usize {
         self.classes.iter().map(|row| row.same_exponent).sum()
     }
 }
 
-/// Points to audit, by class: as evenly over the classes that occur as their numbers allow, chaotic ones first, and
-/// evenly over the design within each class.
+/// Points to audit, by class. Each class that occurs gets the same number of points, or all its points if it has fewer; a
+/// remainder goes to chaos first. Within each class the points are spread evenly over the design.
 pub fn choose(results: &Results, points: usize) -> Vec<(Option<Class>, Vec<usize>)> {
     let mut strata: Vec<(Option<Class>, Vec<usize>)> = Class::ALL
         .into_iter()
@@ -99,7 +99,7 @@ pub fn choose(results: &Results, points: usize) -> Vec<(Option<Class>, Vec<usize
     strata
 }
 
-/// Computes `points` points again on the CPU in f64; None if the observer broke it off.
+/// Computes `points` points again on the CPU in f64; None if the observer broke the audit off.
 ///
 /// # Errors
 /// If the CPU backend fails.
@@ -128,13 +128,17 @@ pub fn audit(results: &Results, points: usize, observer: &mut Observer<'_>) -> R
                 largest_difference: 0.0,
             };
             for (&index, reference) in again.by_ref().take(indices.len()) {
-                let difference = (results.column(Quantity::Lyapunov)[index] - reference.lyapunov).abs();
-                let error = results.column(Quantity::LyapunovError)[index].hypot(reference.lyapunov_error);
+                let difference = (results.value(Quantity::Lyapunov, index) - reference.lyapunov).abs();
+                let error = results
+                    .value(Quantity::LyapunovError, index)
+                    .hypot(reference.lyapunov_error);
                 let contact = Quantity::ContactStatus;
-                let same_contact = results.column(contact)[index] == contact.of(reference);
+                let same_contact = results
+                    .column(contact)
+                    .is_none_or(|column| column.value(index) == contact.of(reference));
                 row.points += 1;
                 row.same_class += usize::from(reference.class == *class && same_contact);
-                // an exponent of finite time has no error, and is held to the floor
+                // an exponent of finite time has no error: the floor alone applies
                 row.same_exponent += usize::from(difference <= (3.0 * error).max(EXPONENT_FLOOR));
                 row.largest_difference = row.largest_difference.max(difference);
             }

@@ -1,4 +1,5 @@
-//! The backend in use and its fall-back: points to instances, instances to batches, and back.
+//! The backend in use and its fall-back: points become instances, instances become batches, and their measurements become those
+//! of points.
 //!
 //! Owns the order of batches and the fall-back to another backend; stores nothing.
 
@@ -10,7 +11,7 @@ use crate::design::Design;
 use crate::experiment::{Experiment, Settings};
 use crate::measure::{self, Measurement, Status};
 
-/// An eighth of an experiment is no reason to make units smaller than this.
+/// The limit of an eighth of an experiment on the size of a unit is at least this number of points.
 const MIN_SHARE: usize = 4096;
 /// Least number of points in a unit.
 const MIN_UNIT: usize = 64;
@@ -22,7 +23,7 @@ pub struct Backends {
 }
 
 impl Backends {
-    /// `fallback` takes over if `active` fails; without one, that ends the run.
+    /// `fallback` takes over if `active` fails; without a fall-back, a failure ends the run.
     pub fn new(active: Box<dyn Backend>, fallback: Option<Box<dyn Backend>>) -> Self {
         Self { active, fallback }
     }
@@ -32,18 +33,18 @@ impl Backends {
         self.active.as_ref()
     }
 
-    /// The backend in use, to be worked on without the fall-back.
+    /// The backend in use, for work without the fall-back.
     pub fn active_mut(&mut self) -> &mut dyn Backend {
         self.active.as_mut()
     }
 
-    /// Points in a batch such that the backend in use is filled by one.
+    /// Points in a batch that fills the backend in use.
     pub fn points_per_batch(&self, settings: &Settings) -> usize {
         (self.active.batch_size(settings) / settings.sampling.initial_states as usize).max(1)
     }
 
-    /// Points in a unit: a batch, but no more than an eighth of a large experiment, since what is not a finished unit is lost when
-    /// the run is interrupted, and not so few that a store falls into crumbs.
+    /// Points in a unit: those of a batch, within two limits. A unit is at most an eighth of a large experiment, since an
+    /// interrupted run loses its unfinished unit. It is not so small that a store consists of very many small tiles.
     pub fn points_per_unit(&self, experiment: &Experiment) -> usize {
         let eighth = experiment.design.len().div_ceil(8).max(MIN_SHARE);
         self.points_per_batch(&experiment.settings).min(eighth).max(MIN_UNIT)
@@ -93,7 +94,7 @@ impl Backends {
     }
 }
 
-/// Measures a batch; of several initial states of a point, those that have not settled are carried on.
+/// Measures a batch. If points have several initial states, the runs that have not settled are carried on.
 fn measure_states(
     backend: &mut dyn Backend,
     settings: &Settings,
@@ -108,7 +109,7 @@ fn measure_states(
         return Ok(Some(measured));
     }
     let (indices, begun): (Vec<usize>, Vec<Instance>) = unsettled.into_iter().unzip();
-    // what was announced has been done
+    // 0: the announced total counts only the first runs, and these are done
     let progress = &mut |_| progress(0);
     let longer = initial_states::carried_on(settings);
     let Some(again) = measure::measure_batch(backend, &longer, &begun, progress)? else {

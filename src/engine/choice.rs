@@ -9,17 +9,17 @@ use crate::experiment::{BackendChoice, Experiment, Precision};
 
 /// The chosen backend with its fall-back, and the reason for the choice in a sentence.
 pub struct Choice {
-    /// A GPU that `auto` chose has the CPU to fall back on; others have nothing.
+    /// A GPU that `auto` chose has the CPU as its fall-back; the other choices have none.
     pub backends: Backends,
     /// Without a capital letter and a full stop, such as "the CPU was asked for".
     pub reason: String,
 }
 
-/// Chooses by the experiment's device and number type. With `auto`, a hardware GPU if there is one that can carry the experiment,
-/// with the CPU to fall back on; else the CPU; never a software adapter.
+/// Chooses by the experiment's device and number type. `auto` chooses a hardware GPU if there is one that can carry the
+/// experiment, with the CPU as its fall-back; else it chooses the CPU. It never chooses a software adapter.
 ///
 /// # Errors
-/// With `gpu`, if there is no suitable adapter; with `auto`, if none has the name asked for.
+/// With `gpu`, if there is no suitable adapter; with `auto`, if no adapter has the requested name.
 pub fn choose(experiment: &Experiment) -> Result<Choice, BackendError> {
     let (precision, device) = (experiment.settings.integration.precision, &experiment.device);
     let adapter = device.adapter.as_deref();
@@ -53,7 +53,7 @@ mod gpu {
     use crate::backend::{Backend, BackendError};
     use crate::engine::Backends;
 
-    /// The adapter of this name, or the first, be it a software adapter.
+    /// The adapter with this in its name, or the best one if no name is given. It may be a software adapter.
     pub fn asked_for(adapter: Option<&str>) -> Result<Choice, BackendError> {
         let gpu = GpuBackend::new(GpuContext::open(adapter, true)?);
         Ok(Choice {
@@ -62,7 +62,7 @@ mod gpu {
         })
     }
 
-    /// A hardware GPU with a fall-back, or why there is none.
+    /// A hardware GPU with a fall-back, or the reason why there is none.
     pub fn if_there(adapter: Option<&str>, fallback: Box<dyn Backend>) -> Result<Result<Choice, String>, BackendError> {
         if let Some(name) = adapter
             && !adapters().iter().any(|adapter| adapter.is_named(name))
@@ -99,7 +99,7 @@ mod gpu {
         Err(BackendError::Unsupported(NONE.into()))
     }
 
-    #[expect(clippy::unnecessary_wraps, reason = "the same as with GPUs, for the caller")]
+    #[expect(clippy::unnecessary_wraps, reason = "the same signature as with GPUs")]
     pub fn if_there(
         _adapter: Option<&str>,
         _fallback: Box<dyn Backend>,

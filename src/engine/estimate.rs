@@ -1,4 +1,4 @@
-//! How long a run will take, by trying.
+//! The time that a run will take, estimated from a sample of its points.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -7,16 +7,17 @@ use super::{Backends, Event, instance_periods};
 use crate::backend::{BackendError, BackendKind};
 use crate::experiment::Experiment;
 
-/// A sample that takes so long tells enough...
+/// A sample that takes at least this time is large enough.
 const ENOUGH: Duration = Duration::from_secs(1);
-/// ...and one that takes longer than this is broken off.
+/// A sample that takes longer than this is broken off.
 const MOST: Duration = Duration::from_secs(5);
 
-/// Neighbours in a sample, which share the lanes of a block as they do in a run.
+/// Length of each series of neighbouring points in a sample. Neighbours share the lanes of a block, as they do in a run.
 const NEIGHBOURS: usize = 32;
 
-/// Seconds that the experiment takes, extrapolated from a sample of its points that is measured as they all will be: what a
-/// point costs changes as its shaft warms up, its contact is lost, or its motion is decided, and from place to place.
+/// Seconds that the experiment takes, extrapolated from a sample of its points. The sample comes from all over the design, since
+/// the cost changes from point to point. It is measured in full, as all points will be, since the cost of a point changes as its
+/// shaft warms up, its contact is lost, or its motion is decided.
 ///
 /// # Errors
 /// If the backend fails.
@@ -56,7 +57,7 @@ pub fn seconds(backends: &mut Backends, experiment: &Experiment) -> Result<f64, 
     }
 }
 
-/// Indices of about `sample` of the points: runs of neighbours from all over the design.
+/// Indices of about `sample` of the points: series of neighbours from all over the design.
 fn spread(sample: usize, points: usize) -> Vec<usize> {
     let runs = sample.div_ceil(NEIGHBOURS);
     let length = sample.div_ceil(runs);

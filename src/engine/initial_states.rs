@@ -1,6 +1,6 @@
 //! Several initial states for one point, because attractors coexist in this system.
 //!
-//! Owns which states are tried and how their measurements become the point's; integrates nothing.
+//! Owns which states are tried and how their measurements become that of the point; integrates nothing.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -22,19 +22,20 @@ pub fn offsets(sampling: &Sampling) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// A point with each of its initial states: its own (x0, y0) first.
+/// A point with each of its initial states; its own state (x0, y0) comes first.
 pub fn points(point: ParameterSet, others: &[[f64; 2]]) -> impl Iterator<Item = ParameterSet> + '_ {
     let others = others.iter().map(move |&state| point.with_initial_state(state));
     std::iter::once(point).chain(others)
 }
 
-/// How many times its length a run is carried on that has not settled.
+/// A run that has not settled is carried on to this multiple of its length, and then measured again.
 const LONGER: u32 = 4;
 
-/// Those of several initial states of a point whose motion is bounded but has not surely settled: which they are, and where they
-/// have got to. Heat is not told by a state (x, y), and cannot be taken up again.
+/// The runs to carry on: their indices, and instances that start from their last states. These are the runs of points with
+/// several initial states whose motion is bounded but has not surely settled. Runs with heat or wear cannot be carried on, since
+/// (x, y) is not their whole state.
 pub fn unsettled(settings: &Settings, instances: &[Instance], measured: &[Measurement]) -> Vec<(usize, Instance)> {
-    // what passes for a torus may be a slow approach to a cycle
+    // an orbit that is classified as quasi-periodic may be a slow approach to a cycle
     let goes_on = |m: &Measurement| match m.class {
         Some(Class::Regular | Class::Undecided) => !m.has_settled(),
         Some(Class::QuasiPeriodic) => true,
@@ -43,7 +44,7 @@ pub fn unsettled(settings: &Settings, instances: &[Instance], measured: &[Measur
     (0..instances.len())
         .filter(|&index| {
             settings.sampling.initial_states > 1
-                && !instances[index].parameters.is_rubbed()
+                && !instances[index].parameters.has_heat_or_wear()
                 && goes_on(&measured[index])
         })
         .map(|index| {
@@ -53,7 +54,7 @@ pub fn unsettled(settings: &Settings, instances: &[Instance], measured: &[Measur
         .collect()
 }
 
-/// The settings by which those are carried on.
+/// The settings for the runs that are carried on: they have a longer transient.
 pub fn carried_on(settings: &Settings) -> Settings {
     let length = settings
         .sampling
@@ -68,15 +69,20 @@ pub fn carried_on(settings: &Settings) -> Settings {
     }
 }
 
-/// The measurement of a point: that of the initial state with the largest exponent, with the fraction of states whose
-/// motion is chaotic, the number of distinct attractors on which some have settled, and the fraction of those that have not.
+/// The measurement of a point: that of the initial state with the largest exponent. To it are added the fraction of the initial
+/// states whose motion is chaotic, the number of distinct attractors on which states have settled, and the fraction of the states
+/// whose motion is bounded but has not settled.
 ///
 /// # Panics
 /// If there is no measurement.
 pub fn combine(measurements: &[Measurement], period_tolerance: f64) -> Measurement {
+    let integrated_periods = measurements.iter().map(|m| m.integrated_periods).sum();
     let bounded: Vec<&Measurement> = measurements.iter().filter(|m| m.status == Status::Ok).collect();
     let Some(largest) = bounded.iter().max_by(|a, b| a.lyapunov.total_cmp(&b.lyapunov)) else {
-        return measurements[0];
+        return Measurement {
+            integrated_periods,
+            ..measurements[0]
+        };
     };
     let chaotic = bounded.iter().filter(|m| m.class == Some(Class::Chaotic)).count();
     let mut attractors: Vec<&Measurement> = Vec::new();
@@ -92,14 +98,15 @@ pub fn combine(measurements: &[Measurement], period_tolerance: f64) -> Measureme
         chaotic_fraction: chaotic as f64 / measurements.len() as f64,
         attractors: attractors.len() as u32,
         unsettled_fraction: bounded.iter().filter(|m| !m.has_settled()).count() as f64 / measurements.len() as f64,
-        integrated_periods: measurements.iter().map(|m| m.integrated_periods).sum(),
+        integrated_periods,
         ..**largest
     }
 }
 
-/// Whether two orbits lie on the same attractor, as far as their class, period, range of x and exponent tell. Cycles have the
-/// same range to a hundred times the tolerance of the period. Of other attractors a run sees the range less sharply: half of
-/// the two ranges must be common, and nine tenths where the exponents differ by more than four of their errors.
+/// Whether two orbits lie on the same attractor, judged by class, period, range of x and exponent. The ranges of cycles must
+/// agree within a hundred times the tolerance of the period. A run shows the range of other attractors less exactly: the overlap
+/// of the two ranges must be at least half of their union, or nine tenths of it if the exponents differ by more than four
+/// combined standard errors.
 fn same_attractor(a: &Measurement, b: &Measurement, period_tolerance: f64) -> bool {
     if a.class != b.class || a.period != b.period {
         return false;
@@ -153,7 +160,7 @@ mod tests {
         assert_eq!(point.unsettled_fraction, 0.2);
     }
 
-    /// Of several states; without heat, which a state (x, y) does not tell.
+    /// This holds only for points with several initial states, and without heat.
     #[test]
     fn what_is_bounded_and_has_not_settled_is_carried_on() {
         let runaway = Measurement::runaway(1.0, BackendKind::CpuF64);
@@ -191,7 +198,7 @@ mod tests {
         assert!(carried(2, ParameterSet::default().with(Parameter::Gamma, 1.0)).is_empty());
     }
 
-    /// Its own run is one of the four.
+    /// The first run is one of the four lengths.
     #[test]
     fn it_is_measured_anew_after_four_lengths_of_its_run() {
         let settings = Settings {
@@ -208,8 +215,13 @@ mod tests {
 
     #[test]
     fn a_point_all_of_whose_states_run_away_has_run_away() {
-        let runaway = Measurement::runaway(3.0, BackendKind::CpuF64);
-        assert_eq!(combine(&[runaway, runaway], 1e-4).status, Status::Runaway { time: 3.0 });
+        let runaway = Measurement {
+            integrated_periods: 7,
+            ..Measurement::runaway(3.0, BackendKind::CpuF64)
+        };
+        let point = combine(&[runaway, runaway], 1e-4);
+        assert_eq!(point.status, Status::Runaway { time: 3.0 });
+        assert_eq!(point.integrated_periods, 14);
     }
 
     #[test]

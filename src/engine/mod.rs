@@ -1,31 +1,53 @@
-//! The engine: an experiment is cut into units of work, a backend measures them one by one, and a sink takes each when it is whole.
+//! The engine: an experiment is divided into units of work, a backend measures them one by one, and a sink takes each unit when
+//! it is complete.
 //!
-//! Owns the order of the work, what is left of it, the fall-back to another backend, and cancellation; neither draws nor prints, and
-//! knows no file.
+//! Owns the order of the work, which part of it is left, the fall-back to another backend, and cancellation; neither draws nor
+//! prints, and knows no file.
 
 pub mod audit;
 mod backends;
 pub mod choice;
 pub mod estimate;
 pub mod initial_states;
+mod part;
 mod sink;
 mod table;
 
 use std::ops::ControlFlow;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 pub use self::backends::Backends;
-pub use self::sink::{Sink, SinkError};
+pub use self::part::{Part, PartError};
+pub use self::sink::{Claim, Condition, Origin, Sink, SinkError};
 pub use self::table::Table;
 use crate::backend::BackendError;
 use crate::experiment::{Experiment, Settings};
-use crate::results::Results;
+use crate::results::{Results, Tally};
 
-/// What a run tells while it goes on.
+/// A message of a run to its observer.
 pub enum Event<'a> {
-    /// So many instance-periods of a unit were done since the last event.
+    /// This number of instance-periods of a unit was done since the last event. A run that is decided early counts as one of full
+    /// length.
     Advanced(u64),
-    /// A unit of so many instance-periods was finished by an earlier run.
-    Found(u64),
+    /// The sink has a unit already, from an earlier run or from another process.
+    Found {
+        /// Its points.
+        tally: &'a Tally,
+        /// Their work at full length.
+        instance_periods: u64,
+    },
+    /// A unit in the sink is damaged, and is computed again.
+    Damaged {
+        /// Which unit.
+        unit: usize,
+        /// What is wrong, and where.
+        what: &'a str,
+    },
+    /// A unit was computed, and the sink has it.
+    Finished(&'a Tally),
+    /// Nothing is left but units that other processes compute.
+    Waiting,
     /// The backend failed; the fall-back goes on from the last finished batch.
     FellBack {
         /// Why the backend failed.
@@ -35,19 +57,26 @@ pub enum Event<'a> {
     },
 }
 
-/// Hears events; may break the run off.
+/// Receives the events of a run; may break the run off.
 pub type Observer<'a> = dyn FnMut(Event<'_>) -> ControlFlow<()> + 'a;
 
 /// What a run did.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Work {
-    /// Points that it measured; those of units that were finished before are not among them.
+    /// Points that it measured, without those of units that were finished before.
     pub points: usize,
     /// Forcing periods that it integrated, of all instances.
     pub instance_periods: u64,
 }
 
-/// Runs an experiment on the device that it asks for, into memory, and hears nothing of it.
+impl Work {
+    fn add(&mut self, more: &Self) {
+        self.points += more.points;
+        self.instance_periods += more.instance_periods;
+    }
+}
+
+/// Runs an experiment on the device that it asks for, into memory, without an observer.
 ///
 /// # Errors
 /// If there is no such device, or it fails.
@@ -55,21 +84,21 @@ pub fn run(experiment: &Experiment) -> Result<Results, BackendError> {
     let mut backends = choice::choose(experiment)?.backends;
     let unit = backends.points_per_unit(experiment);
     let mut table = Table::new(experiment.clone(), unit);
-    match run_on(
-        &mut backends,
-        experiment,
-        &mut table,
-        &mut |_| ControlFlow::Continue(()),
-    ) {
+    let units: Vec<usize> = (0..table.units()).collect();
+    match run_on(&mut backends, experiment, &mut table, &units, &mut |_| {
+        ControlFlow::Continue(())
+    }) {
         Ok(_) => Ok(table.into_results()),
         Err(error) => match error.cause {
             Cause::Backend(error) => Err(error),
-            Cause::Sink(_) | Cause::Stopped => unreachable!("a table takes all, and nothing breaks the run off"),
+            Cause::Sink(_) | Cause::Stopped | Cause::Lost { .. } => {
+                unreachable!("a table takes and keeps all, and nothing breaks the run off")
+            }
         },
     }
 }
 
-/// Runs an experiment on the device that it asks for, and gives the sink what it lacks.
+/// Runs an experiment on the device that it asks for, and gives the sink the units that it does not have yet.
 ///
 /// # Errors
 /// If there is no such device, or as [`run_on`].
@@ -78,16 +107,16 @@ pub fn run_into(
     sink: &mut dyn Sink,
     observer: &mut Observer<'_>,
 ) -> Result<Work, EngineError> {
-    let choice = choice::choose(experiment).map_err(|error| EngineError {
-        cause: error.into(),
-        finished: 0,
-        units: sink.units(),
-    })?;
+    let choice = choice::choose(experiment).map_err(|error| EngineError::new(error.into(), sink))?;
     let mut backends = choice.backends;
-    run_on(&mut backends, experiment, sink, observer)
+    let units: Vec<usize> = (0..sink.units()).collect();
+    run_on(&mut backends, experiment, sink, &units, observer)
 }
 
-/// Runs an experiment on a backend, unit by unit in the order of the sink; finished units are left as they are.
+/// How long to wait before units of other processes are looked at again.
+const WAIT: Duration = Duration::from_millis(500);
+
+/// Runs units of an experiment on a backend, one by one in the given order. Units that the sink has are left as they are. Units that another process computes are waited for, and computed here if that process ends without them.
 ///
 /// # Errors
 /// With the number of finished units, all of which the sink has: if the backend fails and no fall-back is left, the sink fails, or
@@ -96,46 +125,110 @@ pub fn run_on(
     backends: &mut Backends,
     experiment: &Experiment,
     sink: &mut dyn Sink,
+    units: &[usize],
     observer: &mut Observer<'_>,
 ) -> Result<Work, EngineError> {
-    let (design, settings) = (&experiment.design, &experiment.settings);
-    let units = sink.units();
     let mut work = Work::default();
-    for unit in 0..units {
-        let failed = |cause: Cause| EngineError {
-            cause,
-            finished: unit,
-            units,
-        };
-        let points = sink.points(unit);
-        if sink.is_finished(unit).map_err(|error| failed(error.into()))? {
-            if observer(Event::Found(instance_periods(settings, points.len()))).is_break() {
-                return Err(failed(Cause::Stopped));
+    let mut left = units.to_vec();
+    loop {
+        let mut busy = Vec::new();
+        for unit in left {
+            match run_unit(unit, backends, experiment, sink, observer) {
+                Ok(Some(done)) => work.add(&done),
+                Ok(None) => busy.push(unit),
+                Err(cause) => return Err(EngineError::new(cause, sink)),
             }
-            continue;
         }
-        let measured = backends.measure(design, settings, &points, observer);
-        let Some(measured) = measured.map_err(|error| failed(error.into()))? else {
-            return Err(failed(Cause::Stopped));
-        };
-        sink.write(unit, &measured, &backends.active().device())
-            .map_err(|error| failed(error.into()))?;
-        work.points += points.len();
-        work.instance_periods += measured.iter().map(|m| u64::from(m.integrated_periods)).sum::<u64>();
+        if busy.is_empty() {
+            break;
+        }
+        if observer(Event::Waiting).is_break() {
+            return Err(EngineError::new(Cause::Stopped, sink));
+        }
+        left = busy;
+        sleep(WAIT);
     }
-    Ok(work)
+    // what was found or written may have been taken away in the meantime
+    let is_lost = |unit: &&usize| !sink.is_finished(**unit).is_ok_and(|is_finished| is_finished);
+    match units.iter().find(is_lost) {
+        None => Ok(work),
+        Some(&unit) => Err(EngineError::new(Cause::Lost { unit }, sink)),
+    }
 }
 
-/// Why a run ended before its end.
+/// Computes a unit that the sink lacks; None if another process is doing so.
+fn run_unit(
+    unit: usize,
+    backends: &mut Backends,
+    experiment: &Experiment,
+    sink: &mut dyn Sink,
+    observer: &mut Observer<'_>,
+) -> Result<Option<Work>, Cause> {
+    let (design, settings) = (&experiment.design, &experiment.settings);
+    let points: Vec<usize> = sink.points(unit).collect();
+    let instance_periods = instance_periods(settings, points.len());
+    let found = |tally: &Tally, observer: &mut Observer<'_>| {
+        go_on(observer(Event::Found {
+            tally,
+            instance_periods,
+        }))
+        .map(|()| Some(Work::default()))
+    };
+    match sink.condition(unit)? {
+        Condition::Missing => {}
+        Condition::Whole(tally) => return found(&tally, observer),
+        Condition::Damaged { what } => go_on(observer(Event::Damaged { unit, what: &what }))?,
+    }
+    let Some(_claim) = sink.claim(unit)? else {
+        return Ok(None);
+    };
+    // another process may have finished it before the claim
+    if let Condition::Whole(tally) = sink.condition(unit)? {
+        return found(&tally, observer);
+    }
+    let started = Instant::now();
+    let measured = backends.measure(design, settings, &points, observer)?;
+    let measured = measured.ok_or(Cause::Stopped)?;
+    let origin = Origin {
+        device: backends.active().device(),
+        elapsed: started.elapsed(),
+    };
+    sink.write(unit, &measured, &origin)?;
+    go_on(observer(Event::Finished(&Tally::of(&measured))))?;
+    Ok(Some(Work {
+        points: points.len(),
+        instance_periods: measured.iter().map(|m| u64::from(m.integrated_periods)).sum(),
+    }))
+}
+
+fn go_on(answer: ControlFlow<()>) -> Result<(), Cause> {
+    match answer {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(Cause::Stopped),
+    }
+}
+
+/// Why a run ended before all units were finished.
 #[derive(Debug, thiserror::Error)]
 #[error("{cause}")]
 pub struct EngineError {
-    /// A failure of the backend or of the sink, or the observer.
+    /// The backend failed, the sink failed, or the observer broke the run off.
     pub cause: Cause,
-    /// Units that the sink has whole.
+    /// Units that are complete in the sink.
     pub finished: usize,
     /// Units of the experiment.
     pub units: usize,
+}
+
+impl EngineError {
+    fn new(cause: Cause, sink: &dyn Sink) -> Self {
+        let is_finished = |&unit: &usize| sink.is_finished(unit).unwrap_or(false);
+        Self {
+            cause,
+            finished: (0..sink.units()).filter(is_finished).count(),
+            units: sink.units(),
+        }
+    }
 }
 
 /// What ended a run.
@@ -148,9 +241,14 @@ pub enum Cause {
     Sink(#[from] SinkError),
     #[error("the run was broken off")]
     Stopped,
+    #[error(
+        "unit {unit} was finished and is gone: something else has changed the results while they were computed; the same command \
+         computes again what is missing"
+    )]
+    Lost { unit: usize },
 }
 
-/// Instance-periods of `points` points: the work of a run.
+/// The work of a run over `points` points at full length, in instance-periods.
 pub fn instance_periods(settings: &Settings, points: usize) -> u64 {
     points as u64
         * u64::from(settings.sampling.initial_states)

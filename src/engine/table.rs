@@ -1,9 +1,11 @@
 //! A table in memory as a sink.
 
-use super::{Sink, SinkError};
+use std::ops::Range;
+
+use super::{Condition, Origin, Sink, SinkError};
 use crate::experiment::Experiment;
 use crate::measure::Measurement;
-use crate::results::Results;
+use crate::results::{Results, Tally};
 
 /// Takes results into memory.
 #[derive(Clone, Debug)]
@@ -11,22 +13,25 @@ pub struct Table {
     results: Results,
     /// Points in a unit.
     unit: usize,
+    /// What is finished.
+    tallies: Vec<Option<Tally>>,
 }
 
 impl Table {
-    /// A table of which nothing is computed yet, in units of so many points.
+    /// A table in which nothing is computed yet, in units of this number of points.
     ///
     /// # Panics
     /// If a unit has no points.
     pub fn new(experiment: Experiment, unit: usize) -> Self {
         assert!(unit > 0, "a unit has points");
         Self {
+            tallies: vec![None; experiment.design.len().div_ceil(unit)],
             results: Results::new(experiment),
             unit,
         }
     }
 
-    /// What was taken; points of unfinished units are not computed.
+    /// The results; points of unfinished units are not computed.
     pub fn into_results(self) -> Results {
         self.results
     }
@@ -34,25 +39,28 @@ impl Table {
 
 impl Sink for Table {
     fn units(&self) -> usize {
-        self.results.experiment.design.len().div_ceil(self.unit)
+        self.tallies.len()
     }
 
-    fn points(&self, unit: usize) -> Vec<usize> {
+    fn points(&self, unit: usize) -> Range<usize> {
         let points = self.results.experiment.design.len();
-        (unit * self.unit..points.min((unit + 1) * self.unit)).collect()
+        unit * self.unit..points.min((unit + 1) * self.unit)
+    }
+
+    fn condition(&self, unit: usize) -> Result<Condition, SinkError> {
+        let tally = self.tallies[unit].clone();
+        Ok(tally.map_or(Condition::Missing, Condition::Whole))
     }
 
     fn is_finished(&self, unit: usize) -> Result<bool, SinkError> {
-        Ok(self
-            .points(unit)
-            .into_iter()
-            .all(|point| self.results.is_computed(point)))
+        Ok(self.tallies[unit].is_some())
     }
 
-    fn write(&mut self, unit: usize, measurements: &[Measurement], _device: &str) -> Result<(), SinkError> {
-        for (point, measurement) in self.points(unit).into_iter().zip(measurements) {
+    fn write(&mut self, unit: usize, measurements: &[Measurement], _origin: &Origin) -> Result<(), SinkError> {
+        for (point, measurement) in self.points(unit).zip(measurements) {
             self.results.set(point, measurement);
         }
+        self.tallies[unit] = Some(Tally::of(measurements));
         Ok(())
     }
 }

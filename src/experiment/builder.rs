@@ -1,4 +1,4 @@
-//! Experiments made step by step, by programs.
+//! Experiments that a program makes step by step.
 
 use super::{Device, Experiment, ExperimentError, IntegrationRequest, Preset, Request, Sampling};
 use crate::design::{Axis, Coordinate, Points};
@@ -11,7 +11,7 @@ pub struct Builder {
 }
 
 impl Experiment {
-    /// Begins an experiment. Without axes and points it is one point: that of the default parameters.
+    /// Begins an experiment. Without axes and points it is a single point, with default values for the parameters that are not set.
     pub fn builder() -> Builder {
         Builder {
             request: Request::default(),
@@ -37,7 +37,7 @@ impl Builder {
     /// Sets a parameter, or a quantity of the machine, by its name.
     ///
     /// # Errors
-    /// If there is none of that name, with the nearest one.
+    /// If neither a parameter nor a quantity has that name; the error gives the nearest name.
     pub fn set(mut self, name: &str, value: f64) -> Result<Self, ExperimentError> {
         let coordinate = Coordinate::from_name(name)?;
         self.request.set.insert(coordinate.name().to_owned(), value);
@@ -65,14 +65,14 @@ impl Builder {
         self
     }
 
-    /// Sets what is sampled of them.
+    /// Sets what is sampled of the points.
     #[must_use]
     pub fn sampling(mut self, sampling: Sampling) -> Self {
         self.request.sampling = sampling;
         self
     }
 
-    /// Sets on what they run.
+    /// Sets the device that computes the points.
     #[must_use]
     pub fn device(mut self, device: Device) -> Self {
         self.request.device = device;

@@ -1,4 +1,4 @@
-//! On what an experiment runs, and how it is checked. Neither is part of what identifies a result.
+//! The device that computes an experiment, and how the results are checked. Neither of them identifies a result.
 //!
 //! Owns the names of these choices; chooses nothing.
 
@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 pub enum BackendChoice {
     /// A hardware GPU if there is one, else the CPU; never a software adapter.
     Auto,
-    /// A GPU, be it a software adapter; without one the experiment fails.
+    /// A GPU; a software adapter counts as one. Without a GPU the experiment fails.
     Gpu,
-    /// The CPU, though there is a GPU.
+    /// The CPU, even if there is a GPU.
     Cpu,
 }
 
@@ -27,7 +27,7 @@ impl BackendChoice {
     }
 }
 
-/// On what an experiment runs.
+/// The device that computes an experiment.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Device {

@@ -1,6 +1,6 @@
 //! How instances are integrated: the stepping scheme, its steps and its tolerance, the number type.
 //!
-//! Owns their defaults and limits, and how what was asked for becomes what is done; integrates nothing.
+//! Owns their defaults and limits, and the step from requested to complete settings; integrates nothing.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,8 +14,8 @@ pub enum Scheme {
     Taylor,
     /// The classical Runge-Kutta scheme of order 4 with a fixed step, as in the paper.
     Rk4,
-    /// Radau IIA of order 5 for frictional heat and wear: exact heat modes, steps by an error tolerance that end at the
-    /// boundaries of the friction layer and where contact is lost.
+    /// Radau IIA of order 5 for frictional heat and wear, with exact heat modes. An error tolerance controls the steps; they end at
+    /// the boundaries of the friction layer and where contact is lost.
     Radau,
 }
 
@@ -32,7 +32,7 @@ impl Scheme {
         }
     }
 
-    /// The default where there is frictional heat or wear (`rubbed`), and where there is neither.
+    /// The default scheme, with frictional heat or wear (`rubbed`) or without.
     pub fn suited(rubbed: bool) -> Self {
         if rubbed { Self::Radau } else { Self::Taylor }
     }
@@ -42,8 +42,8 @@ impl Scheme {
         self == Self::Radau
     }
 
-    /// Steps in a forcing period where none are asked for: of rk4 all, of the others the longest, to which the friction
-    /// layer adds.
+    /// Default number of steps in a forcing period. For rk4 it is the number of all steps; for the others it sets the longest step,
+    /// and the friction layer adds further steps.
     pub fn default_steps_per_period(self) -> u32 {
         match self {
             Self::Taylor => 28,
@@ -68,24 +68,24 @@ pub enum Precision {
 pub struct Integration {
     /// Stepping scheme.
     pub scheme: Scheme,
-    /// Steps in a forcing period, of taylor and radau the longest ones.
+    /// Steps in a forcing period; for taylor and radau this sets the longest step.
     pub steps_per_period: u32,
     /// Heat modes of the shaft, besides the lumped one.
     pub modes: u32,
-    /// Error of a step of radau: of v in units of 1 outside the friction layer and of its half-width inside it, of the pressure
-    /// relative.
+    /// Error that a step of radau may have. For v, its unit is 1 outside the friction layer and the layer's half-width inside; for
+    /// the pressure, the error is relative.
     pub tolerance: f64,
-    /// Steps of rk4 between two renormalisations of the tangent vectors; one ends every period besides.
+    /// Steps of rk4 between two renormalisations of the tangent vectors. In addition, one renormalisation ends every period.
     pub renormalise_every: u32,
     /// Number type; None is f64 on the CPU and f32 on a GPU.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub precision: Option<Precision>,
 }
 
-/// Heat modes where heat is conducted as fast as at the paper's preset.
+/// Number of heat modes if heat is conducted as fast as in the paper's preset.
 pub(super) const USUAL_MODES: u32 = 12;
 
-/// Most heat modes: what the GPU's kernels hold.
+/// Most heat modes: the GPU's kernels have no room for more.
 pub const MAX_MODES: u32 = 64;
 
 impl From<Scheme> for Integration {
@@ -103,17 +103,17 @@ impl From<Scheme> for Integration {
 }
 
 impl Default for Integration {
-    /// That of a constant contact pressure.
+    /// The default for a constant contact pressure.
     fn default() -> Self {
         Scheme::Taylor.into()
     }
 }
 
 impl Integration {
-    /// Whether the scheme carries what there is: frictional heat and wear (`rubbed`), or a constant pressure.
+    /// Checks that the scheme can compute the model: with frictional heat or wear (`rubbed`), or at constant pressure.
     ///
     /// # Errors
-    /// If it does not.
+    /// If it cannot.
     pub fn check_model(&self, rubbed: bool) -> Result<(), ExperimentError> {
         if rubbed && !self.scheme.carries_heat() {
             return Err(ExperimentError::SchemeWithoutHeat {
@@ -124,7 +124,7 @@ impl Integration {
     }
 
     pub(super) fn check(&self) -> Result<(), ExperimentError> {
-        // the clock of radau holds no longer steps in f32
+        // a longer step of radau has too many clock ticks to be exact in f32
         let fewest = if self.scheme == Scheme::Radau { 16.0 } else { 8.0 };
         in_range("steps_per_period", self.steps_per_period.into(), fewest, 100_000.0)?;
         in_range("modes", self.modes.into(), 1.0, MAX_MODES.into())?;
@@ -133,7 +133,7 @@ impl Integration {
     }
 }
 
-/// What is asked of the integration; what is left out is chosen to suit the experiment.
+/// The requested integration; values that are left out are chosen to suit the experiment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct IntegrationRequest {
@@ -158,11 +158,11 @@ pub struct IntegrationRequest {
 }
 
 impl IntegrationRequest {
-    /// The integration of an experiment with frictional heat or wear (`rubbed`) or without; `enough_modes` gives the number of heat
-    /// modes where heat is carried and none is asked for.
+    /// The integration of an experiment with frictional heat or wear (`rubbed`) or without. `enough_modes` gives the number of heat
+    /// modes if the scheme computes heat and no number is requested.
     ///
     /// # Errors
-    /// If the scheme does not carry what there is.
+    /// If the scheme cannot compute the model.
     pub(super) fn resolve(
         &self,
         rubbed: bool,
@@ -187,7 +187,7 @@ impl IntegrationRequest {
 }
 
 impl From<Integration> for IntegrationRequest {
-    /// Asks for all of it, so that a later default changes nothing.
+    /// Requests every value, so that a later change of a default has no effect.
     fn from(integration: Integration) -> Self {
         Self {
             scheme: Some(integration.scheme),

@@ -1,9 +1,10 @@
-//! The experiment: what is computed, validated and fully resolved, and its TOML form.
+//! The experiment: a validated and fully resolved description of what is computed, and its TOML form.
 //!
 //! Owns the numerical settings with their defaults and limits; opens no file and computes nothing.
 
 mod builder;
 mod device;
+mod difference;
 mod integration;
 mod preset;
 mod request;
@@ -31,15 +32,15 @@ pub struct Experiment {
     pub design: Design,
     /// How points are integrated and what is sampled of them; with the design this identifies the results.
     pub settings: Settings,
-    /// On what it runs: results are the same but for rounding.
+    /// The device that computes it: it changes the results only by rounding.
     pub device: Device,
-    /// How its results are checked; this changes none of them.
+    /// How the results are checked. The checks do not change them.
     pub checking: Checking,
     extents: Extents,
 }
 
 impl Experiment {
-    /// Whether another experiment has the same results, up to rounding: on what they run and how they are checked does not matter.
+    /// Whether another experiment has the same results, up to rounding. Devices and checks do not matter.
     pub fn has_results_of(&self, other: &Self) -> bool {
         self.design == other.design && self.settings == other.settings
     }
@@ -67,7 +68,7 @@ impl Experiment {
             .collect()
     }
 
-    /// The machine as files hold it: with every value that does not vary.
+    /// The machine as it is written to files, with every value that does not vary.
     pub fn machine_description(&self) -> Option<Description> {
         let machine = self.design.fixed.machine()?;
         Some(machine.description(&self.varied_quantities()))
@@ -78,14 +79,14 @@ impl Experiment {
         self.extents[parameter]
     }
 
-    /// Whether there is frictional heat or wear anywhere in the design: the pressure is then no constant.
-    pub fn is_rubbed(&self) -> bool {
+    /// Whether there is frictional heat or wear anywhere in the design. The pressure is then not constant.
+    pub fn has_heat_or_wear(&self) -> bool {
         self.extent(Parameter::Gamma).1 > 0.0 || self.extent(Parameter::KW).1 > 0.0
     }
 
-    /// Whether points are looked at before their full length: their contact pressure must be constant.
+    /// Whether points may be decided early, before their full length. This needs a constant contact pressure.
     pub fn decides_early(&self) -> bool {
-        self.settings.sampling.decide_early && !self.is_rubbed()
+        self.settings.sampling.decide_early && !self.has_heat_or_wear()
     }
 
     /// Whether the contact wears anywhere in the design.
@@ -96,7 +97,7 @@ impl Experiment {
     /// Whether f32 resolves the friction layer everywhere in the design.
     ///
     /// # Errors
-    /// If not: with the thinnest layer and the greatest speed of the shaft.
+    /// If not; the error gives the thinnest layer and the greatest speed of the shaft.
     pub fn check_f32(&self) -> Result<(), ExperimentError> {
         let (slowest, fastest) = self.extent(Parameter::OmegaK);
         let speed = slowest.abs().max(fastest.abs()) + self.extent(Parameter::ZetaK).1;
@@ -106,7 +107,7 @@ impl Experiment {
     /// Whether f32 resolves the friction layer anywhere in the design. Points at which it does not are computed in f64.
     ///
     /// # Errors
-    /// If not: with the thickest layer and the least speed of the shaft.
+    /// If not; the error gives the thickest layer and the least speed of the shaft.
     pub fn check_f32_anywhere(&self) -> Result<(), ExperimentError> {
         let (slowest, fastest) = self.extent(Parameter::OmegaK);
         // 0 if the speed changes its sign
@@ -123,7 +124,7 @@ impl Experiment {
         Ok(())
     }
 
-    /// The request for this very experiment, with every value written out, so that later defaults change nothing.
+    /// The request for exactly this experiment, with every value written out, so that later changes of defaults have no effect.
     pub fn request(&self) -> Request {
         let (axes, points) = match &self.design.varied {
             Varied::Axes(axes) => (Some(axes.clone()), None),
@@ -132,6 +133,7 @@ impl Experiment {
         let fixed = &self.design.fixed;
         Request {
             out: None,
+            quantities: None,
             command: None,
             options: toml::Table::new(),
             axes,
@@ -149,8 +151,8 @@ impl Experiment {
         }
     }
 
-    /// What identifies the experiment's results, as TOML, which [`Request::from_toml`] reads back: the request without the device and
-    /// the checks. Experiments with the same results have the same text.
+    /// The request without the device and the checks, as TOML; [`Request::from_toml`] reads it back. This text identifies the
+    /// results: experiments with the same results have the same text.
     pub fn to_toml(&self) -> String {
         self.request().result_toml()
     }
@@ -166,7 +168,7 @@ fn in_range(name: &'static str, value: f64, min: f64, max: f64) -> Result<(), Ex
     }
 }
 
-/// Why something is no experiment.
+/// Why an experiment is not valid.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages tell what each is")]
 pub enum ExperimentError {

@@ -2,16 +2,16 @@
 
 use crate::parameters::{Parameter, ParameterSet};
 
-/// A set of values by name, which a request starts from.
+/// A named set of values, from which a request starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
-    /// Section 5 of the paper. It leaves out biot, omega_tilde, the fit and the initial state: these are reconstructed, as
-    /// the values with which the paper's figures come out.
+    /// Section 5 of the paper. The paper does not give biot, omega_tilde, the fit and the initial state: they are reconstructed
+    /// as the values that reproduce the paper's figures.
     Paper,
 }
 
 impl Preset {
-    /// `paper` is the only name.
+    /// Finds a preset by its name; `paper` is the only one.
     pub fn from_name(name: &str) -> Option<Self> {
         (name == "paper").then_some(Self::Paper)
     }
@@ -25,7 +25,7 @@ impl Preset {
         set
     }
 
-    /// What the preset sets; other parameters keep their values.
+    /// The values that the preset sets; other parameters keep theirs.
     pub fn values(self) -> &'static [(Parameter, f64)] {
         match self {
             Self::Paper => &[

@@ -1,4 +1,4 @@
-//! A request for a map as it is written in a file, and its resolution.
+//! A request for a map or another experiment, as it is written in a file, and the experiment that it gives.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
@@ -18,14 +18,17 @@ use crate::parameters::{Parameter, ParameterSet};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Request {
-    /// Where results go: the path all output names begin with. Not part of the experiment.
+    /// Where results go: the path with which all output names begin. It is not part of the experiment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub out: Option<PathBuf>,
-    /// The command that the experiment was written by, if it is not a map; its own options are in `options`.
+    /// The command that wrote the experiment; None for a map. The command's own options are in `options`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub command: Option<String>,
-    /// Axes, the first of which varies fastest; of a map the horizontal one and the vertical one. Where neither axes nor points are
-    /// given, each command has its own.
+    /// Names of the quantities that are stored. Not part of the experiment.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub quantities: Option<Vec<String>>,
+    /// Axes; the first one varies fastest. For a map, they are the horizontal and the vertical axis. If neither axes nor points
+    /// are given, each command uses its own default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axes: Option<Vec<Axis>>,
     /// Points one by one, instead of axes.
@@ -34,7 +37,7 @@ pub struct Request {
     /// A machine in SI units, which determines most parameters.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub machine: Option<Description>,
-    /// Values of parameters, and of quantities of the machine, that are no axis.
+    /// Values of parameters, and of quantities of the machine, that are not axes.
     #[serde(deserialize_with = "named_values")]
     pub set: BTreeMap<String, f64>,
     /// Options of the command, which the library does not read.
@@ -45,10 +48,10 @@ pub struct Request {
     pub integration: IntegrationRequest,
     /// What is sampled of each point.
     pub sampling: Sampling,
-    /// On what the experiment runs. Not part of what identifies its results.
+    /// The device that computes the experiment. It does not identify the results.
     #[serde(skip_serializing_if = "is_default")]
     pub device: Device,
-    /// How the results are checked. Not part of what identifies them.
+    /// How the results are checked. The checks do not identify the results.
     #[serde(skip_serializing_if = "is_default")]
     pub checking: Checking,
 }
@@ -57,8 +60,8 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
-/// What version 0.1 wrote, in the present form: its tables `x` and `y` as axes, and its `settings` by what they are for. None of a text
-/// without them.
+/// A file of version 0.1 in the present form: its tables `x` and `y` become axes, and each of its `settings` moves to the present
+/// table for it. None if the text has no such tables.
 fn of_version_0_1(text: &str) -> Option<toml::Table> {
     const INTEGRATION: [&str; 6] = [
         "scheme",
@@ -112,7 +115,7 @@ impl Request {
         Self::from_toml_over(text, Sampling::default())
     }
 
-    /// Reads a request; what the text leaves out of the sampling is that of `defaults`.
+    /// Reads a request. Values of the sampling that the text leaves out come from `defaults`.
     ///
     /// # Errors
     /// As [`Request::from_toml`].
@@ -121,7 +124,7 @@ impl Request {
         let mut table = if let Some(table) = of_version_0_1(text) {
             table
         } else {
-            // an error in the text is told with its line
+            // read from the text first, so that an error is reported with its line
             toml::from_str::<Self>(text)?;
             text.parse()?
         };
@@ -139,7 +142,7 @@ impl Request {
         toml::to_string(self).expect("a request has a TOML form")
     }
 
-    /// What identifies its results, as TOML: the request without the device and the checks.
+    /// The request without the device and the checks, as TOML. This text identifies the results.
     pub fn result_toml(&self) -> String {
         let request = Self {
             device: Device::default(),
@@ -149,7 +152,7 @@ impl Request {
         request.to_toml()
     }
 
-    /// A request for the product of some axes, and nothing else.
+    /// A request for all combinations of the values of some axes, with defaults for everything else.
     pub fn over(axes: Vec<Axis>) -> Self {
         Self {
             axes: Some(axes),
@@ -157,20 +160,20 @@ impl Request {
         }
     }
 
-    /// Asks for these settings, and for no others.
+    /// Requests exactly these settings.
     pub fn set_settings(&mut self, settings: &Settings) {
         self.integration = settings.integration.into();
         self.sampling = settings.sampling;
     }
 
-    /// Sets the values of a preset, over what is set already.
+    /// Sets the values of a preset. They replace values that are already set.
     pub fn set_preset(&mut self, preset: Preset) {
         for &(parameter, value) in preset.values() {
             self.set.insert(parameter.name().to_owned(), value);
         }
     }
 
-    /// The axes of a map for which none are asked: zeta_k = 0..12, 300 values, by h1 = 0..2, 201 values.
+    /// The axes of a map if none are given: zeta_k = 0..12, 300 values, by h1 = 0..2, 201 values.
     #[expect(clippy::missing_panics_doc, reason = "the table of parameters admits these axes")]
     pub fn default_map() -> [Axis; 2] {
         let axis = |parameter: Parameter, stop, count| {
@@ -179,11 +182,11 @@ impl Request {
         [axis(Parameter::ZetaK, 12.0, 300), axis(Parameter::H1, 2.0, 201)]
     }
 
-    /// The experiment that the request asks for: over its axes or points, or over the default map where it has neither.
+    /// The experiment that the request describes: over its axes or points, or over the default map if it has neither.
     ///
     /// # Errors
-    /// If there are axes and points, a value is out of its range, two axes are the same, what is set is an axis, or the machine is
-    /// none, somewhere on the axes.
+    /// If there are both axes and points, a value is out of its range, two axes are the same, an axis is also set to a value, or
+    /// the machine is not valid somewhere on the axes.
     pub fn resolve(&self) -> Result<Experiment, ExperimentError> {
         let varied = match (&self.axes, &self.points) {
             (Some(_), Some(_)) => return Err(ExperimentError::AxesAndPoints),
@@ -194,7 +197,7 @@ impl Request {
         self.resolve_over(varied)
     }
 
-    /// The one point that the request's `set` names; its axes are left aside.
+    /// The experiment with the single point that `set` gives; the request's axes and points are ignored.
     ///
     /// # Errors
     /// As [`Request::resolve`].
@@ -202,7 +205,7 @@ impl Request {
         self.resolve_over(Varied::Axes(Vec::new()))
     }
 
-    /// The points of any design; the request's own axes and points are left aside.
+    /// The experiment over `varied`; the request's own axes and points are ignored.
     ///
     /// # Errors
     /// As [`Request::resolve`].
@@ -226,7 +229,7 @@ impl Request {
         };
         let integration = self
             .integration
-            .resolve(experiment.is_rubbed(), || experiment.enough_modes())?;
+            .resolve(experiment.has_heat_or_wear(), || experiment.enough_modes())?;
         experiment.settings.integration = integration;
         experiment.settings.check()?;
         let on_gpu = self.device.backend == BackendChoice::Gpu;
@@ -239,11 +242,11 @@ impl Request {
         Ok(experiment)
     }
 
-    /// What holds at all points.
+    /// The values that all points have in common.
     fn fixed(&self, varied: &Varied) -> Result<Fixed, ExperimentError> {
         let mut parameters = ParameterSet::default();
         let mut machine = self.machine.clone();
-        // a machine is complete with any value of what varies
+        // a machine needs a value of every quantity: for those that vary, the value at the first point will do
         let mut si_varied: Vec<(SiQuantity, f64)> = Vec::new();
         for (coordinate, value) in varied.values(0) {
             coordinate.check_free(machine.is_some())?;

@@ -1,4 +1,4 @@
-//! What is sampled of each point: how long, from which initial states, and by what periods are told.
+//! What is sampled of each point: how long, from which initial states, and how the period of the motion is found.
 //!
 //! Owns the defaults and limits of these; measures nothing.
 
@@ -17,7 +17,7 @@ pub struct InitialBox {
     pub y: [f64; 2],
 }
 
-/// What is sampled of each point. Every field has a default; the doc of each gives it.
+/// What is sampled of each point. The default of every field is in parentheses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Sampling {
@@ -27,14 +27,14 @@ pub struct Sampling {
     pub align_periods: u32,
     /// Measured forcing periods (250).
     pub periods: u32,
-    /// Whether a point is left as soon as its motion shows what it is: an attracting cycle, by its multipliers, or chaos,
-    /// by its mean growth (true). With heat or wear points are always run to their full length.
+    /// Whether the run of a point ends as soon as the kind of its motion is clear: an attracting cycle by its multipliers, chaos by
+    /// its mean growth (true). With heat or wear every point runs to its full length.
     pub decide_early: bool,
-    /// Two stroboscopic states are the same where x and y differ by less (2e-4).
+    /// Two stroboscopic states count as equal if both x and y differ by less than this (2e-4).
     pub period_tolerance: f64,
     /// The longest period of the motion that is looked for, in forcing periods (64).
     pub max_period: u32,
-    /// Initial states for each point: (x0, y0), and others from `initial_box` (1).
+    /// Number of initial states for each point: first (x0, y0), then others from `initial_box` (1).
     pub initial_states: u32,
     /// Box of the further initial states (x and y in -2..2).
     pub initial_box: InitialBox,
@@ -68,10 +68,10 @@ impl Sampling {
     /// Fewest measured forcing periods.
     pub const LEAST_PERIODS: u32 = 16;
 
-    /// Whether every value lies in its range.
+    /// Checks that every value lies in its range.
     ///
     /// # Errors
-    /// The first that does not.
+    /// The first value that does not.
     pub(super) fn check(&self) -> Result<(), ExperimentError> {
         in_range("transient_periods", self.transient_periods.into(), 0.0, 1e7)?;
         in_range(

@@ -9,15 +9,15 @@ use super::{ExperimentError, Integration, Sampling, Scheme};
 pub struct Settings {
     /// Scheme, steps, tolerance and number type.
     pub integration: Integration,
-    /// Periods, initial states, and how the period of a motion is told.
+    /// Periods, initial states, and how the period of a motion is found.
     pub sampling: Sampling,
 }
 
 impl Settings {
-    /// Whether every value lies in its range.
+    /// Checks that every value lies in its range.
     ///
     /// # Errors
-    /// The first that does not.
+    /// The first value that does not.
     pub fn check(&self) -> Result<(), ExperimentError> {
         self.integration.check()?;
         self.sampling.check()

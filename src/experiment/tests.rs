@@ -10,7 +10,7 @@ fn an_experiment_survives_its_toml_form() {
     let experiment = request.resolve().unwrap();
     let again = Request::from_toml(&experiment.request().to_toml()).unwrap();
     assert_eq!(again.resolve().unwrap(), experiment);
-    // on what it runs is no part of what identifies its results
+    // the device is not part of what identifies the results
     let results = Request::from_toml(&experiment.to_toml()).unwrap().resolve().unwrap();
     assert!(results != experiment && results.has_results_of(&experiment));
     assert_eq!(results.device, Device::default());
@@ -134,7 +134,7 @@ fn an_experiment_with_a_machine_survives_its_toml_form() {
         let again = Request::from_toml(&experiment.to_toml()).unwrap().resolve().unwrap();
         assert_eq!(again, experiment);
         assert_eq!(again.to_toml(), experiment.to_toml());
-        // the file's value of a quantity that is an axis does not matter, any other does
+        // if a quantity is an axis, its value in the file does not matter; every other value does
         let machine = request.machine.as_mut().unwrap();
         if machine.values.contains_key(&SiQuantity::Interference) {
             machine.values.insert(SiQuantity::Interference, 3e-9);
@@ -150,13 +150,13 @@ fn heat_and_wear_of_a_machine_are_seen_wherever_they_are() {
     let resolve = |request: &Request| request.resolve().unwrap();
     let mut request = with_machine("shaft_speed_amplitude=50:300:5", "wear_coefficient=0:1e-14:4");
     let wears = resolve(&request);
-    assert!(wears.wears() && wears.is_rubbed() && wears.settings.integration.scheme == Scheme::Radau);
+    assert!(wears.wears() && wears.has_heat_or_wear() && wears.settings.integration.scheme == Scheme::Radau);
     assert_eq!(wears.extent(Parameter::KW).0, 0.0);
     request.axes.as_mut().unwrap()[1] = Axis::parse("damping=0:500:4").unwrap();
     request.set.insert("wear_coefficient".into(), 0.0);
-    assert!(!resolve(&request).wears() && resolve(&request).is_rubbed());
+    assert!(!resolve(&request).wears() && resolve(&request).has_heat_or_wear());
     request.set.insert("wear_energy_share".into(), 1.0);
-    assert!(!resolve(&request).is_rubbed());
+    assert!(!resolve(&request).has_heat_or_wear());
     assert_eq!(resolve(&request).settings.integration.scheme, Scheme::Taylor);
 }
 

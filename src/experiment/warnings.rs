@@ -1,4 +1,4 @@
-//! What the user should know of an experiment before it runs.
+//! Warnings about an experiment, for the user, before it runs.
 
 use std::f64::consts::TAU;
 
@@ -8,27 +8,28 @@ use crate::machine::plausibility_warnings;
 use crate::model::thermal_modes;
 use crate::parameters::Parameter;
 
-/// The heat has settled where the slowest mode has decayed by e to this power.
+/// The heat has settled when the slowest mode has decayed by a factor of e to this power.
 const SETTLED: f64 = 10.0;
 
-/// The last heat mode should decay so many times faster than the drive turns. At the paper's preset 12 modes reach 63; where
-/// omega-tilde is 0.024, they reach 15 and miss peak pressure and wear by 1e-3 (zeta_k = gamma = 3.9, against 64 modes).
+/// The decay rate of the last heat mode should be this many times omega_0, the angular frequency of the drive. With the paper's
+/// preset, 12 modes reach 63. With omega-tilde = 0.024 they reach 15, and peak pressure and wear are wrong by 1e-3
+/// (zeta_k = gamma = 3.9, compared with 64 modes).
 const FAST_MODE: f64 = 50.0;
 
-/// The Biot number at which it should decay twice as fast...
+/// The Biot number at which the last heat mode should decay twice as fast as [`FAST_MODE`] says.
 const WELL_COOLED: f64 = 50.0;
 
-/// ...and by how many times faster still at most.
+/// Upper bound of biot / [`WELL_COOLED`]: a greater Biot number does not raise the required rate further.
 const MOST_COOLING: f64 = 6.0;
 
 /// An angle in rad at which the terms that sin and cos have beyond the third order are a quarter of those of third order.
 const LARGE_ANGLE: f64 = 0.5;
 
 impl Experiment {
-    /// What the user should know before a long run, each a sentence.
+    /// Warnings that a user should read before a long run, one sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let numerical = match self.settings.integration.scheme {
-            // its steps shorten themselves, and where they cannot, the point is under-resolved
+            // this scheme shortens its steps itself; where it cannot, the point is under-resolved
             Scheme::Taylor => Vec::new(),
             Scheme::Rk4 => self.fixed_step_warnings(),
             Scheme::Radau => self
@@ -40,7 +41,7 @@ impl Experiment {
         self.machine_warnings().into_iter().chain(numerical).collect()
     }
 
-    /// Those of them that do not depend on how the experiment is computed: of the machine.
+    /// The warnings about the machine, which do not depend on how the experiment is computed.
     pub fn machine_warnings(&self) -> Vec<String> {
         let corners = self.design.extreme_machines();
         if corners.is_empty() {
@@ -78,7 +79,7 @@ impl Experiment {
                  limit of stability): sticking will be wrong; use --steps-per-period {enough} or more"
             ));
         }
-        // between two renormalisations the second tangent vector shrinks against the first by up to this exponent
+        // between two renormalisations the second tangent vector shrinks relative to the first by up to e^shrinkage
         let every = self.settings.integration.renormalise_every.min(steps_per_period);
         let shrinkage = rate * step * f64::from(every);
         let digits = match self.settings.integration.precision {
@@ -95,8 +96,8 @@ impl Experiment {
         warnings
     }
 
-    /// Whether the transient is long enough for the shaft to warm through where its heat is to reach a steady state: without
-    /// wear. The slowest heat mode decays at the rate mu_1^2 omega-tilde.
+    /// The warning if the transient is too short for the heat of the shaft to reach a steady state. If every point wears, there
+    /// is no steady state and no warning. The slowest heat mode decays at the rate mu_1^2 omega-tilde.
     fn settling_warning(&self) -> Option<String> {
         if self.extent(Parameter::Gamma).1 == 0.0 || self.extent(Parameter::KW).0 > 0.0 {
             return None;
@@ -116,7 +117,8 @@ impl Experiment {
         })
     }
 
-    /// Whether heat is conducted so slowly that the lumped rest of the modes does not follow the pulses of friction.
+    /// The warning if heat is conducted so slowly that the lumped mode, which stands for all further modes, does not follow the
+    /// pulses of friction.
     fn modes_warning(&self) -> Option<String> {
         if self.extent(Parameter::Gamma).1 == 0.0 {
             return None;
@@ -139,27 +141,27 @@ impl Experiment {
         })
     }
 
-    /// As many heat modes as the drive is slow to, from [`USUAL_MODES`] to [`MAX_MODES`].
+    /// The number of heat modes that the drive and the cooling need, from [`USUAL_MODES`] to [`MAX_MODES`].
     pub(super) fn enough_modes(&self) -> u32 {
         enough(&self.mode_rates(), self.fast_mode())
     }
 
-    /// Least rates at which the heat modes decay, the slowest mode first.
+    /// Decay rates of the heat modes, the least in the design, the slowest mode first.
     fn mode_rates(&self) -> Vec<f64> {
         let (biot, omega_tilde) = (self.extent(Parameter::Biot).0, self.extent(Parameter::OmegaTilde).0);
         let roots = thermal_modes::roots(biot, MAX_MODES as usize);
         roots.into_iter().map(|mu| mu * mu * omega_tilde).collect()
     }
 
-    /// The rate at which it should. A shaft that is cooled well loses the heat of a pulse from a thin layer at its surface, which
-    /// takes faster modes to tell.
+    /// The rate at which the last heat mode should decay. A well-cooled shaft loses the heat of a pulse from a thin layer at its
+    /// surface; only faster modes resolve this layer.
     fn fast_mode(&self) -> f64 {
         let cooling = (self.extent(Parameter::Biot).1 / WELL_COOLED).min(MOST_COOLING);
         FAST_MODE * (1.0 + cooling) * self.extent(Parameter::Omega0).1
     }
 }
 
-/// How many modes there must be for the last of them to decay at the rate `needed`, from [`USUAL_MODES`] to all of them.
+/// The least number of modes whose last one decays at the rate `needed` or faster, from [`USUAL_MODES`] to [`MAX_MODES`].
 fn enough(rates: &[f64], needed: f64) -> u32 {
     let is_fast = |modes: &u32| rates[*modes as usize - 1] >= needed;
     (USUAL_MODES..MAX_MODES).find(is_fast).unwrap_or(MAX_MODES)

@@ -2,35 +2,72 @@
 //!
 //! Owns computed data in memory; neither computes nor draws nor stores them.
 
+mod column;
+mod tally;
+
 use std::collections::BTreeMap;
+
+pub use self::column::{Column, NO_CODE};
+pub use self::tally::Tally;
 
 use crate::backend::BackendKind;
 use crate::experiment::Experiment;
 use crate::machine::Beyond;
 use crate::measure::{Class, Measurement, QUANTITIES, Quantity, Status};
 
-/// Values of every quantity at every point of a design, in its order.
+/// Values of quantities at every point of a design, in the order of the design.
 #[derive(Clone, Debug)]
 pub struct Results {
-    /// What the values were computed for.
+    /// The experiment of which these are the results.
     pub experiment: Experiment,
-    columns: Vec<Vec<f64>>,
+    /// In the order of [`QUANTITIES`]; None for those that the results do not hold.
+    columns: Vec<Option<Column>>,
 }
 
 impl Results {
-    /// Results of which nothing is computed yet.
+    /// Results of every quantity, in which no point is computed yet.
     pub fn new(experiment: Experiment) -> Self {
-        let columns = vec![vec![f64::NAN; experiment.design.len()]; Quantity::COUNT];
+        Self::of(experiment, &Quantity::all())
+    }
+
+    /// Results of some quantities and of the status, in which no point is computed yet.
+    pub fn of(experiment: Experiment, quantities: &[Quantity]) -> Self {
+        let points = experiment.design.len();
+        let is_held = |quantity| quantity == Quantity::Status || quantities.contains(&quantity);
+        let columns = QUANTITIES
+            .iter()
+            .map(|info| is_held(info.quantity).then(|| Column::new(info.values, points)))
+            .collect();
         Self { experiment, columns }
     }
 
-    /// Values of a quantity, in the order of the design; NaN where not computed or not applicable.
-    pub fn column(&self, quantity: Quantity) -> &[f64] {
-        &self.columns[quantity as usize]
+    /// The quantities that the results hold.
+    pub fn quantities(&self) -> Vec<Quantity> {
+        let mut quantities = Quantity::all();
+        quantities.retain(|&quantity| self.column(quantity).is_some());
+        quantities
     }
 
-    /// Values of a quantity in SI units, by the machine of each point, and their unit; None without a machine, or for a pure
-    /// number.
+    /// The values of a quantity, if the results hold it.
+    pub fn column(&self, quantity: Quantity) -> Option<&Column> {
+        self.columns[quantity as usize].as_ref()
+    }
+
+    /// The value of a quantity at a point; NaN where it is not computed, does not apply, or is not held.
+    ///
+    /// # Panics
+    /// If there is no such point.
+    pub fn value(&self, quantity: Quantity, index: usize) -> f64 {
+        self.column(quantity).map_or(f64::NAN, |column| column.value(index))
+    }
+
+    /// The values of a quantity in the order of the design; NaN where [`Results::value`] is.
+    pub fn values(&self, quantity: Quantity) -> impl ExactSizeIterator<Item = f64> + Clone + '_ {
+        (0..self.experiment.design.len()).map(move |index| self.value(quantity, index))
+    }
+
+    /// Values of a quantity in SI units, and their unit. Each point is converted with the scales of its own machine. None without
+    /// a machine, or for a pure number.
     pub fn si_column(&self, quantity: Quantity) -> Option<(Vec<f64>, &'static str)> {
         let scale = quantity.scale();
         let unit = match scale {
@@ -39,8 +76,10 @@ impl Results {
             None => return None,
         };
         let design = &self.experiment.design;
-        let values = self.column(quantity).iter().enumerate();
-        let values: Option<Vec<f64>> = values
+        let values: Option<Vec<f64>> = self
+            .column(quantity)?
+            .values()
+            .enumerate()
             .map(|(index, value)| {
                 let scales = design.machine(index)?.scales();
                 Some(value * scale.map_or(1.0 / scales.time, |scale| scales.of(scale)))
@@ -49,20 +88,21 @@ impl Results {
         Some((values?, unit))
     }
 
-    /// Where the model does not hold, because the material of the machine would melt or yield, or the bush would turn too far. For
-    /// each limit, by its name: the number of points beyond it, the index of the worst point, and what happens there.
+    /// The limits of the model that are exceeded: the material of the machine would melt or yield, or the bush would turn too
+    /// far. For each limit, by its name: the number of points beyond it, the index of the worst point, and what happens there.
     fn exceedances(&self) -> BTreeMap<&'static str, (usize, usize, Beyond)> {
         let design = &self.experiment.design;
-        let (pressures, temperatures) = (
-            self.column(Quantity::PeakPressure),
-            self.column(Quantity::PeakTemperature),
-        );
-        let (lowest, highest) = (self.column(Quantity::XMin), self.column(Quantity::XMax));
         let mut kinds = BTreeMap::new();
         for index in 0..design.len() {
             let Some(machine) = design.machine(index) else { break };
-            let angle = lowest[index].abs().max(highest[index].abs());
-            for beyond in machine.beyond(pressures[index], temperatures[index], angle) {
+            let [pressure, temperature, lowest, highest] = [
+                Quantity::PeakPressure,
+                Quantity::PeakTemperature,
+                Quantity::XMin,
+                Quantity::XMax,
+            ]
+            .map(|quantity| self.value(quantity, index));
+            for beyond in machine.beyond(pressure, temperature, lowest.abs().max(highest.abs())) {
                 let (count, worst, most) = kinds.entry(beyond.name()).or_insert((0, index, beyond));
                 *count += 1;
                 if beyond.factor() > most.factor() {
@@ -83,7 +123,7 @@ impl Results {
             .collect()
     }
 
-    /// A sentence for each limit of the model that is exceeded: at how many points, and what happens at the worst.
+    /// A sentence for each limit of the model that is exceeded: at how many points, and what happens at the worst point.
     pub fn beyond_limits(&self) -> Vec<String> {
         let design = &self.experiment.design;
         let exceedances = self.exceedances();
@@ -97,35 +137,55 @@ impl Results {
         warnings.collect()
     }
 
-    /// Values of a quantity, to be set.
-    pub fn column_mut(&mut self, quantity: Quantity) -> &mut [f64] {
-        &mut self.columns[quantity as usize]
-    }
-
     /// Sets all quantities of a point.
+    ///
+    /// # Panics
+    /// If there is no such point.
     pub fn set(&mut self, index: usize, measurement: &Measurement) {
         for (info, column) in QUANTITIES.iter().zip(&mut self.columns) {
-            column[index] = info.quantity.of(measurement);
+            if let Some(column) = column {
+                column.set(index, info.quantity.of(measurement));
+            }
+        }
+    }
+
+    /// Puts computed values of a quantity in place, from point `first` on. A quantity that the results do not hold is left aside.
+    ///
+    /// # Panics
+    /// If the values reach beyond the last point.
+    pub fn replace(&mut self, quantity: Quantity, first: usize, values: &Column) {
+        if let Some(column) = &mut self.columns[quantity as usize] {
+            column.replace(first, values);
+        }
+    }
+
+    /// Sets the value of a quantity at a point. A quantity that the results do not hold is left aside.
+    ///
+    /// # Panics
+    /// If there is no such point.
+    pub fn set_value(&mut self, quantity: Quantity, index: usize, value: f64) {
+        if let Some(column) = &mut self.columns[quantity as usize] {
+            column.set(index, value);
         }
     }
 
     /// Whether a point is computed.
     pub fn is_computed(&self, index: usize) -> bool {
-        !self.column(Quantity::Status)[index].is_nan()
+        !self.value(Quantity::Status, index).is_nan()
     }
 
-    /// The class of a point; None where it is not computed, ran away, is under-resolved, or wears.
+    /// The class of a point. None if the point is not computed, its orbit ran away, it is under-resolved, or its contact wears.
     pub fn class(&self, index: usize) -> Option<Class> {
-        Class::ALL.get(code(self.column(Quantity::Class)[index])?).copied()
+        Class::ALL.get(code(self.value(Quantity::Class, index))?).copied()
     }
 
     /// Whether any point was integrated on a GPU.
     pub fn has_gpu_points(&self) -> bool {
-        self.column(Quantity::Backend)
-            .contains(&f64::from(BackendKind::GpuF32 as u8))
+        let gpu = f64::from(BackendKind::GpuF32 as u8);
+        self.values(Quantity::Backend).any(|backend| backend == gpu)
     }
 
-    /// Whether a point was measured.
+    /// Whether a point was measured: it is computed, its orbit did not run away, and it is not under-resolved.
     pub fn is_ok(&self, index: usize) -> bool {
         self.has_status(index, Status::Ok)
     }
@@ -141,7 +201,7 @@ impl Results {
     }
 
     fn has_status(&self, index: usize, status: Status) -> bool {
-        self.column(Quantity::Status)[index] == f64::from(status.code())
+        self.value(Quantity::Status, index) == f64::from(status.code())
     }
 }
 

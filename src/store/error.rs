@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use super::layout::FORMAT_VERSION;
 use crate::output::PROGRAM;
 
 /// Why a store cannot be created, opened, read or written.
@@ -13,25 +12,43 @@ pub enum StoreError {
     Exists { path: PathBuf },
     #[error("there is no store at {}: give the path of a folder NAME.zarr", path.display())]
     Missing { path: PathBuf },
-    #[error(
-        "{} is not a map of tribochaos, or its creation was cut short: give another path, or remove it",
-        path.display()
-    )]
+    #[error("{} is not a store of tribochaos: give another path, or move it away", path.display())]
     Foreign { path: PathBuf },
     #[error(
-        "{} has format version {found}, and {PROGRAM} reads version {FORMAT_VERSION}: use the version of the program \
+        "{} has format version {found}, and {PROGRAM} reads versions up to {newest}: use the version of the program \
          that wrote it",
         path.display()
     )]
-    Version { path: PathBuf, found: String },
-    #[error("{} is damaged: {what}; restore it from a copy, or remove it and compute it again", path.display())]
-    Damaged { path: PathBuf, what: String },
+    Version { path: PathBuf, found: String, newest: u64 },
     #[error(
-        "{} is being written by another process{}: wait for it by --wait, or give another --out",
+        "{} was written by an earlier version, whose stores are read and not gone on with: give another --out, or --force to \
+         compute it anew",
+        path.display()
+    )]
+    Older { path: PathBuf },
+    #[error(
+        "{0} is damaged: {what}; `tribochaos verify {0} --repair`, or the command that computed it, mends it",
+        path.display()
+    )]
+    Damaged { path: PathBuf, what: String },
+    #[error("{} is damaged: {what}; restore it from a copy, or remove it and compute it again", path.display())]
+    Lost { path: PathBuf, what: String },
+    #[error(
+        "{} is in use by another process{}: wait for its end, or give another --out",
         path.display(),
         process.map(|id| format!(" (process {id})")).unwrap_or_default()
     )]
     Busy { path: PathBuf, process: Option<u32> },
+    #[error(
+        "the file system of {} has no locks, by which processes are kept apart: give each process its own --part I/N, or say \
+         --alone where no other process writes the store",
+        path.display()
+    )]
+    NoLocks { path: PathBuf },
+    #[error("{} was removed or replaced while it was written: the same command begins anew", path.display())]
+    TakenAway { path: PathBuf },
     #[error("{} cannot be written: {reason}; check the folder's permissions and the free space", path.display())]
     Write { path: PathBuf, reason: String },
+    #[error("{} cannot be read: {reason}", path.display())]
+    Read { path: PathBuf, reason: String },
 }

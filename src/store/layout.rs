@@ -2,55 +2,104 @@
 //!
 //! Owns what other readers see of an array; opens and writes nothing.
 
+use std::sync::Arc;
+
 use serde_json::json;
+use zarrs::array::codec::Crc32cCodec;
 use zarrs::array::{ArrayBuilder, ArrayMetadataOptions, DataType, data_type};
 
-use crate::design::{Axis, Fixed};
-use crate::experiment::Experiment;
+use super::units::Units;
+use crate::design::{Coordinate, Design, Varied};
 use crate::machine::Scale;
 use crate::measure::{QUANTITIES, QuantityInfo, Values};
+use crate::results::NO_CODE;
 
-/// Marks a group as a map.
-pub const FORMAT: &str = "tribochaos map";
-pub const FORMAT_VERSION: u64 = 1;
+/// The dimension of a list of points.
+const POINT: &str = "point";
 
-/// A code's fill value: not computed, or not applicable.
-pub const NO_CODE: u8 = u8::MAX;
-
+/// The type of a quantity's values.
 pub fn data_type(values: Values) -> DataType {
     match values {
-        Values::Number => data_type::float64(),
+        Values::F64 => data_type::float64(),
+        Values::F32 => data_type::float32(),
         Values::Code(_) => data_type::uint8(),
     }
 }
 
+/// The name of an array as a node of the store.
 pub fn node(name: &str) -> String {
     format!("/{name}")
 }
 
-/// Without the note on zarrs itself, which other readers need not know.
+/// Without the note on zarrs itself, which other readers do not need.
 pub fn plain_metadata() -> ArrayMetadataOptions {
     ArrayMetadataOptions::default().with_include_zarrs_metadata(false)
 }
 
-pub fn coordinate(axis: &Axis, fixed: &Fixed) -> ArrayBuilder {
-    let coordinate = axis.coordinate;
-    let count = axis.count() as u64;
-    let mut array = ArrayBuilder::new(vec![count], vec![count], data_type(Values::Number), f64::NAN);
-    array.dimension_names(Some([coordinate.name()]));
-    let attributes = array.attributes_mut();
-    attributes.insert("long_name".into(), coordinate.meaning().into());
-    attributes.insert("symbol".into(), coordinate.symbol().into());
-    attributes.insert("units".into(), fixed.unit(coordinate).into());
+/// Number of values along each dimension of a design, the fastest first: of each axis, or of a list of points.
+pub fn sides(design: &Design) -> Vec<usize> {
+    match &design.varied {
+        Varied::Axes(axes) => axes.iter().map(crate::design::Axis::count).collect(),
+        Varied::Points(points) => vec![points.len()],
+    }
+}
+
+/// Names of the dimensions, as arrays have them: the fastest last.
+fn dimensions(design: &Design) -> Vec<&'static str> {
+    match &design.varied {
+        Varied::Axes(axes) => axes.iter().rev().map(|axis| axis.coordinate.name()).collect(),
+        Varied::Points(_) => vec![POINT],
+    }
+}
+
+/// The coordinates of a design: the array of each, and its values.
+pub fn coordinates(design: &Design) -> Vec<(Coordinate, ArrayBuilder, Vec<f64>)> {
+    let array = |coordinate: Coordinate, dimension: &'static str, values: Vec<f64>| {
+        let count = values.len() as u64;
+        let mut array = array(vec![count], vec![count], Values::F64);
+        array.dimension_names(Some([dimension]));
+        let attributes = array.attributes_mut();
+        attributes.insert("long_name".into(), coordinate.meaning().into());
+        attributes.insert("symbol".into(), coordinate.symbol().into());
+        attributes.insert("units".into(), design.fixed.unit(coordinate).into());
+        (coordinate, array, values)
+    };
+    match &design.varied {
+        Varied::Axes(axes) => axes
+            .iter()
+            .map(|axis| array(axis.coordinate, axis.coordinate.name(), axis.values()))
+            .collect(),
+        Varied::Points(points) => (points.coordinates().iter().enumerate())
+            .map(|(column, &coordinate)| {
+                let values = (0..points.len()).map(|index| points.row(index)[column]);
+                array(coordinate, POINT, values.collect())
+            })
+            .collect(),
+    }
+}
+
+/// An array of which nothing is computed, with a checksum on every chunk.
+fn array(shape: Vec<u64>, chunk: Vec<u64>, values: Values) -> ArrayBuilder {
+    let mut array = match values {
+        Values::F64 => ArrayBuilder::new(shape, chunk, data_type(values), f64::NAN),
+        Values::F32 => ArrayBuilder::new(shape, chunk, data_type(values), f32::NAN),
+        Values::Code(_) => ArrayBuilder::new(shape, chunk, data_type(values), NO_CODE),
+    };
+    array.bytes_to_bytes_codecs(vec![Arc::new(Crc32cCodec::new())]);
     array
 }
 
-/// What a dimensionless quantity is multiplied with at each point to be one in SI units.
-pub fn scale(scale: Scale, x: &Axis, y: &Axis, tile: [usize; 2]) -> ArrayBuilder {
-    let shape = vec![y.count() as u64, x.count() as u64];
-    let chunk = tile.map(|count| count as u64).to_vec();
-    let mut array = ArrayBuilder::new(shape, chunk, data_type(Values::Number), f64::NAN);
-    array.dimension_names(Some([y.coordinate.name(), x.coordinate.name()]));
+/// An array over a design, in chunks of a unit each.
+fn over(design: &Design, units: &Units, values: Values) -> ArrayBuilder {
+    let slowest_first = |counts: &[usize]| counts.iter().rev().map(|&count| count as u64).collect();
+    let mut array = array(slowest_first(&sides(design)), slowest_first(units.block()), values);
+    array.dimension_names(Some(dimensions(design)));
+    array
+}
+
+/// The scale by which a dimensionless quantity is multiplied at each point to be one in SI units.
+pub fn scale(scale: Scale, design: &Design, units: &Units) -> ArrayBuilder {
+    let mut array = over(design, units, Values::F64);
     let of: Vec<&str> = QUANTITIES
         .iter()
         .filter(|info| info.quantity.scale() == Some(scale))
@@ -62,14 +111,9 @@ pub fn scale(scale: Scale, x: &Axis, y: &Axis, tile: [usize; 2]) -> ArrayBuilder
     array
 }
 
-pub fn variable(info: &QuantityInfo, x: &Axis, y: &Axis, tile: [usize; 2]) -> ArrayBuilder {
-    let shape = vec![y.count() as u64, x.count() as u64];
-    let chunk = tile.map(|count| count as u64).to_vec();
-    let mut array = match info.values {
-        Values::Number => ArrayBuilder::new(shape, chunk, data_type(info.values), f64::NAN),
-        Values::Code(_) => ArrayBuilder::new(shape, chunk, data_type(info.values), NO_CODE),
-    };
-    array.dimension_names(Some([y.coordinate.name(), x.coordinate.name()]));
+/// A quantity.
+pub fn variable(info: &QuantityInfo, design: &Design, units: &Units) -> ArrayBuilder {
+    let mut array = over(design, units, info.values);
     let attributes = array.attributes_mut();
     attributes.insert("long_name".into(), info.label.into());
     attributes.insert("units".into(), info.units.into());
@@ -82,15 +126,4 @@ pub fn variable(info: &QuantityInfo, x: &Axis, y: &Axis, tile: [usize; 2]) -> Ar
         );
     }
     array
-}
-
-/// The two axes of a map.
-///
-/// # Panics
-/// If the experiment has not two axes.
-pub fn axes(experiment: &Experiment) -> [&Axis; 2] {
-    let [x, y] = experiment.design.axes() else {
-        panic!("a map has two axes")
-    };
-    [x, y]
 }

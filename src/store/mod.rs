@@ -1,27 +1,39 @@
-//! The Zarr store of a map: created before the run, written tile by tile, read back as a map.
+//! Results on disk as Zarr: created before the run, written unit by unit, read back.
 //!
-//! Decides neither what is computed nor in which order. In their order, each file knows those before it only:
+//! Decides neither what is computed nor in which order. Each file uses only those before it in this list:
 //!
-//! - `tile`: the rectangles of points that are written at once;
-//! - `layout`: what other readers see of an array; `error`: what can be wrong with a store;
-//! - `scales`: the arrays that lead to SI units;
-//! - `map_store`: the store as a whole, created and opened;
-//! - `values`: its values, written and read; `size`: its size on the disk;
-//! - `write_lock`: the right to write it, which one process has at a time.
+//! - `units`: the ranges of points that are written at once;
+//! - `checksum`: what notices changes; `sync`: files that are on the disk when a function returns; `root`: the store's folder while it is used;
+//! - `mark`: what tells that a unit is finished; `group`: what the store holds, and checksums of its small files;
+//! - `error`: what can be wrong with a store; `lock`: what keeps processes apart;
+//! - `layout`: what other readers see of an array; `scales`: the arrays that lead to SI units; `chunk`: an array's values as files;
+//! - `store`: the store as a whole, created, opened and mended;
+//! - `values`: its values, written, checked and read; `size`: its size on the disk; `slice`: maps out of it.
 
+mod checksum;
+mod chunk;
 mod error;
+mod group;
 mod layout;
-mod map_store;
+mod lock;
+mod mark;
+mod root;
 mod scales;
 mod size;
+mod slice;
+#[expect(clippy::module_inception, reason = "the type is the module's main one")]
+mod store;
+mod sync;
 #[cfg(test)]
 mod tests;
-mod tile;
+mod units;
 mod values;
-mod write_lock;
 
 pub use self::error::StoreError;
-pub use self::map_store::{MapStore, looks_like_a_store};
-pub use self::size::{free_space, size_bytes};
-pub use self::tile::{Tile, shape};
-pub use self::write_lock::WriteLock;
+pub use self::lock::{Lock, Use};
+pub use self::mark::Mark;
+pub use self::size::{free_space, point_bytes, size_bytes};
+pub use self::slice::SliceError;
+pub use self::store::{Store, looks_like_a_store};
+pub use self::sync::clean_beside;
+pub use self::units::Units;

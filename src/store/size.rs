@@ -5,24 +5,29 @@
 use std::io;
 use std::path::Path;
 
-use super::layout::axes;
-use super::scales::ScaleArrays;
+use super::layout::sides;
+use super::scales;
+use super::units::Units;
 use crate::experiment::Experiment;
-use crate::measure::{QUANTITIES, Values};
+use crate::measure::Quantity;
 
-/// Bytes that a map's values take on disk once it is complete, in tiles of `tile` rows and columns.
-///
-/// # Panics
-/// If the experiment has not two axes.
-pub fn size_bytes(experiment: &Experiment, tile: [usize; 2]) -> u64 {
-    let [x, y] = axes(experiment);
-    let padded = |count: usize, tile: usize| count.next_multiple_of(tile.min(count)) as u64;
-    let point: u64 = QUANTITIES
-        .iter()
-        .map(|info| if info.values == Values::Number { 8 } else { 1 })
-        .sum::<u64>()
-        + ScaleArrays::size(experiment);
-    padded(y.count(), tile[0]) * padded(x.count(), tile[1]) * point + 8 * (x.count() + y.count()) as u64
+/// Bytes that a mark takes, at most.
+const MARK: u64 = 1024;
+
+/// Bytes that the values of some quantities of one point take.
+pub fn point_bytes(experiment: &Experiment, quantities: &[Quantity]) -> u64 {
+    let others = quantities.iter().filter(|&&quantity| quantity != Quantity::Status);
+    let bytes: u64 = others.map(|quantity| quantity.info().values.bytes()).sum();
+    bytes + Quantity::Status.info().values.bytes() + 8 * scales::of(experiment).len() as u64
+}
+
+/// Bytes that the store of some quantities of an experiment takes once it is complete, in units of about `unit` points.
+pub fn size_bytes(experiment: &Experiment, quantities: &[Quantity], unit: usize) -> u64 {
+    let sides = sides(&experiment.design);
+    let units = Units::new(&sides, unit);
+    let coordinates: u64 = sides.iter().map(|&side| 8 * side as u64).sum();
+    let unit_bytes = units.block_points() as u64 * point_bytes(experiment, quantities) + MARK;
+    units.count() as u64 * unit_bytes + coordinates
 }
 
 /// Bytes that may still be written where `path` is, or would be created.

@@ -49,6 +49,37 @@ fn contact_settings() -> Settings {
     }
 }
 
+/// Q = F(v) v p has no epsilon: a bush that friction cannot move heats all the same. At rest, without a force on it, it stays there.
+#[test]
+fn friction_that_does_not_move_the_bush_heats_it() {
+    let set = |epsilon| {
+        let gently = paper(3.5).with(Parameter::KW, 0.0).with(Parameter::Gamma, 0.05);
+        gently.with(Parameter::Epsilon, epsilon)
+    };
+    for precision in [Precision::F64, Precision::F32] {
+        let settings = Settings {
+            sampling: Sampling {
+                transient_periods: 20,
+                align_periods: 10,
+                periods: 64,
+                ..Sampling::default()
+            },
+            ..Settings::from(Scheme::Radau)
+        };
+        let [none, little] = measure(precision, &settings, &[set(0.0), set(1e-7)])[..] else {
+            panic!("two points were asked for")
+        };
+        assert!(little.contact.peak_temperature > 0.01, "{little:?}");
+        let what = format!("temperature in {precision:?}");
+        close(
+            none.contact.peak_temperature,
+            little.contact.peak_temperature,
+            1e-3,
+            &what,
+        );
+    }
+}
+
 #[test]
 fn the_paper_s_contact_is_lost_when_and_how_the_model_says() {
     // tau_c, wear, peak pressure and its time, peak temperature; converged by finite volumes of ever finer rings

@@ -1,0 +1,353 @@
+//! A store as a whole: created, opened, mended, and its attributes.
+//!
+//! Owns the order in which a store comes to be; its values are [`super::values`]'.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use serde_json::Value;
+use zarrs::array::Array;
+use zarrs::filesystem::FilesystemStore;
+
+use super::checksum::checksum;
+use super::error::StoreError;
+use super::group::{FORMAT_VERSION, Group, METADATA};
+use super::layout;
+use super::layout::{coordinates, data_type, node, plain_metadata, sides, variable};
+use super::lock::Lock;
+use super::mark::{self, Mark};
+use super::root::Root;
+use super::scales;
+use super::sync;
+use super::units::Units;
+use crate::experiment::{Experiment, Request};
+use crate::measure::{QUANTITIES, Quantity, QuantityInfo};
+
+/// Results on disk, open for reading and writing.
+pub struct Store {
+    pub(super) root: Root,
+    pub(super) experiment: Experiment,
+    /// The checksum of the experiment's text.
+    pub(super) experiment_sum: String,
+    pub(super) units: Units,
+    pub(super) group: Group,
+    /// The arrays over the design: those of the quantities first, in the order of [`QUANTITIES`], then those of the scales.
+    pub(super) arrays: Vec<StoredArray>,
+    /// Whether units are claimed before they are written.
+    pub(super) claims: bool,
+    /// Held as long as the store is written.
+    lock: Lock,
+}
+
+/// An array of a store.
+pub(super) struct StoredArray {
+    pub content: Content,
+    pub array: Array<FilesystemStore>,
+}
+
+/// What an array holds.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Content {
+    Quantity(Quantity),
+    /// What leads to SI units, for other readers: this program computes it.
+    Scale(crate::machine::Scale),
+}
+
+impl Content {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Quantity(quantity) => quantity.info().name,
+            Self::Scale(scale) => scale.name(),
+        }
+    }
+}
+
+/// The quantities that a store holds if these are asked for, in the order of [`QUANTITIES`]: the status is always among them.
+fn held(quantities: &[Quantity]) -> impl Iterator<Item = &'static QuantityInfo> {
+    let is_held = |info: &&QuantityInfo| info.quantity == Quantity::Status || quantities.contains(&info.quantity);
+    QUANTITIES.iter().filter(is_held)
+}
+
+impl Store {
+    /// Creates the store of some quantities of an experiment, in units of about `unit` points. Nothing is computed in it. Folders that
+    /// lead to `path` are created.
+    ///
+    /// # Errors
+    /// [`StoreError::Exists`] if there is something at `path`, [`StoreError::Write`] if it cannot be written.
+    pub fn create(
+        path: &Path,
+        experiment: &Experiment,
+        quantities: &[Quantity],
+        unit: usize,
+    ) -> Result<Self, StoreError> {
+        let units = Units::new(&sides(&experiment.design), unit);
+        if fs::symlink_metadata(path).is_ok() {
+            return Err(StoreError::Exists { path: path.to_owned() });
+        }
+        // whole or not at all
+        let aside = sync::own_part(path);
+        let moved = build(&aside, experiment, quantities, &units).and_then(|()| {
+            fs::rename(&aside, path).map_err(|error| {
+                if path.exists() {
+                    StoreError::Exists { path: path.to_owned() }
+                } else {
+                    cannot_write(path, &error)
+                }
+            })
+        });
+        if moved.is_err() {
+            let _ = fs::remove_dir_all(&aside);
+        }
+        moved?;
+        let _ = path.parent().map(sync::folder);
+        Self::open(path)
+    }
+
+    /// Opens a store and checks all of it but its values.
+    ///
+    /// # Errors
+    /// [`StoreError::Missing`], [`StoreError::Foreign`], [`StoreError::Version`] or [`StoreError::Damaged`].
+    pub fn open(path: &Path) -> Result<Self, StoreError> {
+        if !path.is_dir() {
+            return Err(StoreError::Missing { path: path.to_owned() });
+        }
+        let damaged = |what: String| StoreError::Damaged {
+            path: path.to_owned(),
+            what,
+        };
+        let group = Group::read(path)?;
+        for (file, sum) in group.files() {
+            let found = fs::read(path.join(file)).map(|bytes| checksum(&bytes));
+            if found.as_deref().ok() != Some(sum) {
+                return Err(damaged(format!("its file {file}")));
+            }
+        }
+        let toml = group.text("experiment");
+        let toml = toml.ok_or_else(|| damaged("the attribute `experiment` is missing".into()))?;
+        let experiment_sum = checksum(toml.as_bytes());
+        let experiment = Request::from_toml(toml)
+            .and_then(|request| request.resolve())
+            .map_err(|error| damaged(format!("the attribute `experiment`: {error}")))?;
+        let storage = Arc::new(FilesystemStore::new(path).map_err(|error| damaged(error.to_string()))?);
+
+        let mut arrays = Vec::new();
+        let mut units = None;
+        let quantities = QUANTITIES.iter().map(|info| Content::Quantity(info.quantity));
+        let scales = scales::of(&experiment).iter().copied().map(Content::Scale);
+        for content in quantities.chain(scales) {
+            let name = content.name();
+            if !path.join(name).is_dir() {
+                continue;
+            }
+            let array = Array::open(storage.clone(), &node(name))
+                .map_err(|error| damaged(format!("the array `{name}`: {error}")))?;
+            let fastest_first = |counts: &[u64]| -> Vec<usize> { counts.iter().rev().map(|&n| n as usize).collect() };
+            let sides = sides(&experiment.design);
+            let block = array.chunk_shape(&vec![0; sides.len()]);
+            let block = block.map(|shape| fastest_first(&shape.iter().map(|count| count.get()).collect::<Vec<_>>()));
+            let of_array = block.ok().and_then(|block| Units::of_block(&sides, &block));
+            let expected = units.get_or_insert_with(|| of_array.clone());
+            if fastest_first(array.shape()) != sides || of_array.is_none() || of_array != *expected {
+                return Err(damaged(format!(
+                    "the array `{name}` does not have the shape of the experiment"
+                )));
+            }
+            if let Content::Quantity(quantity) = content
+                && group.version() == Some(FORMAT_VERSION)
+                && array.data_type() != &data_type(quantity.info().values)
+            {
+                return Err(damaged(format!("the array `{name}` does not have its type")));
+            }
+            arrays.push(StoredArray { content, array });
+        }
+        let has_status = arrays
+            .iter()
+            .any(|array| array.content == Content::Quantity(Quantity::Status));
+        let units = units.flatten().filter(|_| has_status);
+        Ok(Self {
+            root: Root::open(path).map_err(|error| cannot_read(path, &error))?,
+            units: units.ok_or_else(|| damaged("the array `status` is missing".into()))?,
+            experiment,
+            experiment_sum,
+            group,
+            arrays,
+            claims: true,
+            lock: Lock::none(),
+        })
+    }
+
+    /// Writes the metadata of a damaged store anew, for the experiment and the quantities that it was created for. Units that are sound
+    /// stay. Nobody else may use the store.
+    ///
+    /// # Errors
+    /// [`StoreError::Lost`] if no unit tells that the store belongs to this experiment, [`StoreError::Write`].
+    pub fn mend(path: &Path, experiment: &Experiment, quantities: &[Quantity]) -> Result<Self, StoreError> {
+        let known = Mark::any(path).filter(|mark| {
+            let names = held(quantities).map(|info| info.name);
+            let scales = scales::of(experiment).iter().map(|scale| scale.name());
+            mark.experiment == checksum(experiment.to_toml().as_bytes())
+                && names.chain(scales).collect::<BTreeSet<_>>() == mark.names()
+        });
+        let sides = sides(&experiment.design);
+        let units = known.and_then(|mark| Units::of_block(&sides, &mark.block));
+        let units = units.ok_or_else(|| StoreError::Lost {
+            path: path.to_owned(),
+            what: "its metadata, and no unit tells that it holds this experiment".to_owned(),
+        })?;
+        let aside = sync::own_part(path);
+        let mended = build(&aside, experiment, quantities, &units).and_then(|()| {
+            let group = Group::read(&aside)?;
+            let files = group.files().map(|(file, _)| file).chain([METADATA]);
+            for file in files {
+                let place = path.join(file);
+                place
+                    .parent()
+                    .map_or(Ok(()), fs::create_dir_all)
+                    .map_err(|error| cannot_write(path, &error))?;
+                fs::rename(aside.join(file), place).map_err(|error| cannot_write(path, &error))?;
+            }
+            Ok(())
+        });
+        let _ = fs::remove_dir_all(&aside);
+        mended?;
+        Self::open(path)
+    }
+
+    /// The store, to be written while a lock of it is held; without one if no other process uses the store, for file systems that have
+    /// no locks.
+    ///
+    /// # Errors
+    /// [`StoreError::Older`] for a store of an earlier version.
+    pub fn writing(mut self, lock: Option<Lock>) -> Result<Self, StoreError> {
+        if self.version() != FORMAT_VERSION {
+            return Err(StoreError::Older {
+                path: self.path().to_owned(),
+            });
+        }
+        self.claims = lock.is_some();
+        self.lock = lock.unwrap_or_else(Lock::none);
+        Ok(self)
+    }
+
+    /// The folder that holds the store.
+    pub fn path(&self) -> &Path {
+        self.root.path()
+    }
+
+    /// The experiment, as the store has it.
+    pub fn experiment(&self) -> &Experiment {
+        &self.experiment
+    }
+
+    /// The quantities that are stored.
+    pub fn quantities(&self) -> Vec<Quantity> {
+        let quantities = self.arrays.iter().filter_map(|array| match array.content {
+            Content::Quantity(quantity) => Some(quantity),
+            Content::Scale(_) => None,
+        });
+        quantities.collect()
+    }
+
+    pub(super) fn version(&self) -> u64 {
+        self.group.version().unwrap_or(0)
+    }
+
+    /// Sets an attribute of the store, such as the outcome of an audit.
+    ///
+    /// # Errors
+    /// [`StoreError::Write`].
+    pub fn set_attribute(&mut self, name: &str, value: Value) -> Result<(), StoreError> {
+        self.group.set(name, value);
+        self.group.write(self.root.path())
+    }
+
+    /// An attribute that [`Store::set_attribute`] set, in this process or in an earlier one.
+    pub fn attribute(&self, name: &str) -> Option<&Value> {
+        self.group.attribute(name)
+    }
+}
+
+/// Builds a store in which nothing is computed.
+fn build(path: &Path, experiment: &Experiment, quantities: &[Quantity], units: &Units) -> Result<(), StoreError> {
+    let failed = |reason: String| StoreError::Write {
+        path: path.to_owned(),
+        reason,
+    };
+    fs::create_dir_all(mark::folder(path)).map_err(|error| cannot_write(path, &error))?;
+    let storage = Arc::new(FilesystemStore::new(path).map_err(|error| failed(error.to_string()))?);
+    let design = &experiment.design;
+    let coordinates = coordinates(design);
+    let mut files = Vec::new();
+    let (mut names, mut arrays) = (Vec::new(), Vec::new());
+    for (coordinate, array, values) in coordinates {
+        let name = coordinate.name();
+        let array = array
+            .build(storage.clone(), &node(name))
+            .map_err(|error| failed(error.to_string()))?;
+        let stored = array
+            .store_metadata_opt(&plain_metadata())
+            .map_err(|error| failed(error.to_string()))
+            .and_then(|()| {
+                array
+                    .store_chunk(&[0], values)
+                    .map_err(|error| failed(error.to_string()))
+            });
+        stored?;
+        names.push(name);
+        arrays.push(name);
+        files.push(format!("{name}/{METADATA}"));
+        files.push(array.chunk_key(&[0]).as_str().to_owned());
+    }
+    let quantities = held(quantities).map(|info| (info.name, variable(info, design, units)));
+    let scales = scales::of(experiment)
+        .iter()
+        .map(|&scale| (scale.name(), layout::scale(scale, design, units)));
+    for (name, array) in quantities.chain(scales) {
+        let array = array
+            .build(storage.clone(), &node(name))
+            .map_err(|error| failed(error.to_string()))?;
+        let stored = array.store_metadata_opt(&plain_metadata());
+        stored.map_err(|error| failed(error.to_string()))?;
+        arrays.push(name);
+        files.push(format!("{name}/{METADATA}"));
+    }
+    let sums: Result<Vec<(String, String)>, _> = files
+        .into_iter()
+        .map(|file| {
+            let bytes = fs::read(path.join(&file))?;
+            // not through zarrs, which leaves it to the operating system when a file is on the disk
+            sync::write(&path.join(&file), &bytes)?;
+            Ok((file, checksum(&bytes)))
+        })
+        .collect();
+    let sums = sums.map_err(|error: std::io::Error| cannot_write(path, &error))?;
+    let metadata = arrays.into_iter().map(|name| {
+        let text = fs::read(path.join(name).join(METADATA)).map_err(|error| cannot_write(path, &error))?;
+        let metadata = serde_json::from_slice(&text).map_err(|error| failed(error.to_string()))?;
+        Ok((name.to_owned(), metadata))
+    });
+    let metadata = metadata.collect::<Result<_, StoreError>>()?;
+    Group::new(experiment, &names, metadata, sums).write(path)
+}
+
+pub(super) fn cannot_write(path: &Path, error: &std::io::Error) -> StoreError {
+    StoreError::Write {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    }
+}
+
+pub(super) fn cannot_read(path: &Path, error: &std::io::Error) -> StoreError {
+    StoreError::Read {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    }
+}
+
+/// Whether the folder is a store of this program, or was one before it was damaged: `open` may fail on it.
+pub fn looks_like_a_store(path: &Path) -> bool {
+    let status = path.join(Quantity::Status.info().name).join(METADATA);
+    status.is_file() || mark::folder(path).is_dir() || Group::read(path).is_ok()
+}
