@@ -53,7 +53,7 @@ fn contact_settings() -> Settings {
 #[test]
 fn friction_that_does_not_move_the_bush_heats_it() {
     let set = |epsilon| {
-        let gently = paper(3.5).with(Parameter::KW, 0.0).with(Parameter::Gamma, 0.05);
+        let gently = paper(3.5).with(Parameter::KW, 0.0).with(Parameter::Gamma, 0.001);
         gently.with(Parameter::Epsilon, epsilon)
     };
     for precision in [Precision::F64, Precision::F32] {
@@ -69,7 +69,7 @@ fn friction_that_does_not_move_the_bush_heats_it() {
         let [none, little] = measure(precision, &settings, &[set(0.0), set(1e-7)])[..] else {
             panic!("two points were asked for")
         };
-        assert!(little.contact.peak_temperature > 0.01, "{little:?}");
+        assert!(little.contact.peak_temperature > 1e-4, "{little:?}");
         let what = format!("temperature in {precision:?}");
         close(
             none.contact.peak_temperature,
