@@ -39,7 +39,10 @@ impl TryFrom<Results> for ParameterMap {
 
 /// The error for results that do not have two axes.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("a map has two axes, and the results have {axes}: draw them as a line, or compute them over two axes")]
+#[error(
+    "a map has two axes, and these results have {axes}: `tribochaos slice` draws a map out of more axes, `export` writes any \
+     results as a table"
+)]
 pub struct NoMap {
     axes: usize,
 }

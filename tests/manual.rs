@@ -121,10 +121,10 @@ fn every_command_of_the_readme_and_the_manual_runs() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Runs the commands of a page one after another in a folder that has the gallery and the machines; the failures.
+/// Runs the commands of a page one after another in a folder that has the gallery, the machines and the designs; the failures.
 fn run(page: &Path, commands: &[String]) -> Vec<String> {
     let folder = tempfile::tempdir().expect("a folder");
-    for shown in ["outputs/gallery", "examples/machines"] {
+    for shown in ["outputs/gallery", "examples/machines", "examples/designs"] {
         let copies = folder.path().join(shown);
         fs::create_dir_all(&copies).expect("a folder");
         for file in fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(shown)).expect("a folder") {

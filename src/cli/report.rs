@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::time::Duration;
 
 use serde_json::{Value, json};
-use tribochaos::design::{Coordinate, Spacing};
+use tribochaos::design::{Coordinate, Spacing, Varied};
 use tribochaos::engine::audit::Audit;
 use tribochaos::engine::choice::Choice;
 use tribochaos::engine::{self, Work};
@@ -17,13 +17,22 @@ use tribochaos::results::Tally;
 /// The plan of an experiment, in one line.
 pub fn plan(experiment: &Experiment) -> String {
     let settings = &experiment.settings;
-    let mut plan = String::from("map");
-    for (place, axis) in ["over", "by"].iter().zip(experiment.design.axes()) {
-        let unit = experiment.design.fixed.unit(axis.coordinate);
-        let value = |value: f64| match axis.coordinate {
-            Coordinate::Parameter(_) => value.to_string(),
-            Coordinate::Si(_) => si(value, unit),
-        };
+    let axes = experiment.design.axes();
+    let mut plan = String::from(if axes.len() == 2 { "map" } else { "scan" });
+    let value = |coordinate: Coordinate, value: f64| match coordinate {
+        Coordinate::Parameter(_) => value.to_string(),
+        Coordinate::Si(_) => si(value, experiment.design.fixed.unit(coordinate)),
+    };
+    if let Varied::Points(points) = &experiment.design.varied {
+        let ends = points.coordinates().iter().zip(points.ends());
+        let ends = ends.map(|(&coordinate, [least, greatest])| {
+            let [least, greatest] = [least, greatest].map(|end| value(coordinate, rounded(end)));
+            format!("{coordinate} = {least}..{greatest}")
+        });
+        let _ = write!(plan, " over points in {}", ends.collect::<Vec<_>>().join(", "));
+    }
+    for (place, axis) in std::iter::once("over").chain(std::iter::repeat("by")).zip(axes) {
+        let value = |end: f64| value(axis.coordinate, end);
         let values = match axis.spacing() {
             Spacing::Even { start, stop, .. } => format!("{}..{}", value(*start), value(*stop)),
             Spacing::Logarithmic { start, stop, .. } => format!("{}..{}, logarithmic", value(*start), value(*stop)),
@@ -284,6 +293,11 @@ pub fn audit(audit: &Audit) -> String {
         );
     }
     text
+}
+
+/// A number to six digits, for people.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
 }
 
 /// How many points there are of each kind of motion.

@@ -188,6 +188,12 @@ impl ExperimentArgs {
     ) -> Result<Request, Failure> {
         let mut request = self.subject.base(command, defaults)?;
         let of_file = request.axes.take().filter(|axes| axes.len() == N);
+        let is_typed = axes.iter().all(|asked| asked.typed.is_some());
+        if N > 0 && request.points.take().is_some() && !is_typed {
+            return Err(Failure::Input(anyhow!(
+                "the file holds a list of points, and this command computes over axes: give them"
+            )));
+        }
         let mut chosen = Vec::with_capacity(N);
         for (index, asked) in axes.into_iter().enumerate() {
             let axis = match (asked.typed, &of_file) {

@@ -53,7 +53,10 @@ fn contact_settings() -> Settings {
 #[test]
 fn friction_that_does_not_move_the_bush_heats_it() {
     let set = |epsilon| {
-        let gently = paper(3.5).with(Parameter::KW, 0.0).with(Parameter::Gamma, 0.001);
+        let gently = paper(3.5)
+            .with(Parameter::KW, 0.0)
+            .with(Parameter::Gamma, 0.001)
+            .with(Parameter::X0, 1.0);
         gently.with(Parameter::Epsilon, epsilon)
     };
     for precision in [Precision::F64, Precision::F32] {
