@@ -9,12 +9,13 @@ use std::time::Instant;
 
 use tribochaos::backend::BackendKind;
 use tribochaos::backend::cpu::CpuBackend;
-use tribochaos::backend::gpu::GpuBackend;
+use tribochaos::backend::gpu::{GpuBackend, GpuContext};
 use tribochaos::design::Axis;
-use tribochaos::engine::{Backends, Event, audit, estimate};
+use tribochaos::engine::{self, Backends, Cause, Event, Sink, Table, audit, estimate};
 use tribochaos::experiment::{Experiment, Precision, Request, Sampling, Settings};
 use tribochaos::map::ParameterMap;
 use tribochaos::measure::{Class, Measurement, Quantity};
+use tribochaos::results::Results;
 
 fn experiment(x: &str, y: &str, settings: Settings) -> Experiment {
     let request = Request {
@@ -241,4 +242,70 @@ fn the_estimate_of_a_map_with_wear_is_about_what_it_takes() {
     let ratio = estimate / started.elapsed().as_secs_f64();
     // the machine may be shared
     assert!((0.3..3.0).contains(&ratio), "{ratio}");
+}
+
+/// Two devices take units in turn, whichever is free: the results are those of one.
+#[test]
+fn two_devices_share_the_units_and_make_the_results_of_one() {
+    let (Some(first), Some(second)) = (gpu_context::open(), gpu_context::open()) else {
+        return;
+    };
+    let settings = Settings {
+        sampling: Sampling {
+            transient_periods: 60,
+            align_periods: 20,
+            periods: 64,
+            ..Sampling::default()
+        },
+        ..Settings::default()
+    };
+    let experiment = experiment("zeta_k=3:5:40", "h1=0.3:1.5:24", settings);
+    let run = |contexts: Vec<GpuContext>| {
+        let mut backends: Vec<Backends> = contexts
+            .into_iter()
+            .map(|context| Backends::new(Box::new(GpuBackend::new(context)), None))
+            .collect();
+        let mut table = Table::new(experiment.clone(), 96);
+        let units: Vec<usize> = (0..table.units()).collect();
+        let (mut finished, mut points) = (0, 0);
+        let work = engine::run_on(&mut backends, &experiment, &mut table, &units, &mut |event| {
+            if let Event::Finished(tally) = event {
+                finished += 1;
+                points += tally.points();
+            }
+            ControlFlow::Continue(())
+        });
+        assert_eq!((work.unwrap().points, finished, points), (960, 10, 960));
+        table.into_results()
+    };
+    let third = gpu_context::open().unwrap();
+    let (one, two) = (run(vec![third]), run(vec![first, second]));
+    for quantity in one.quantities() {
+        let bits = |results: &Results| results.values(quantity).map(f64::to_bits).collect::<Vec<_>>();
+        assert!(bits(&one) == bits(&two), "{quantity:?}");
+    }
+}
+
+/// What one of two devices ends, ends for both, and what is finished stays.
+#[test]
+fn a_run_on_two_devices_that_is_broken_off_keeps_what_is_finished() {
+    let mut experiment = experiment("zeta_k=3:5:40", "h1=0.3:1.5:24", Settings::default());
+    experiment.settings.sampling.decide_early = false;
+    let mut backends = [cpu(Precision::F64), cpu(Precision::F64)];
+    let mut table = Table::new(experiment.clone(), 32);
+    let units: Vec<usize> = (0..table.units()).collect();
+    let mut finished = 0;
+    let error = engine::run_on(&mut backends, &experiment, &mut table, &units, &mut |event| {
+        finished += usize::from(matches!(event, Event::Finished(_)));
+        if finished == 4 {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    })
+    .unwrap_err();
+    assert!(matches!(error.cause, Cause::Stopped));
+    assert_eq!((error.finished, error.units), (4, 30));
+    let results = table.into_results();
+    assert_eq!((0..960).filter(|&index| results.is_computed(index)).count(), 4 * 32);
 }

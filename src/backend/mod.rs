@@ -127,7 +127,7 @@ pub struct EndState {
 }
 
 /// Integrates batches of instances.
-pub trait Backend {
+pub trait Backend: Send {
     fn kind(&self) -> BackendKind;
 
     /// Description of the device for the user: its name, and which part of it is used.

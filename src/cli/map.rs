@@ -191,11 +191,17 @@ fn object(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[String]
 }
 
 /// Computes the points that the sink lacks, and shows the progress; returns the work that was done.
-fn compute(experiment: &Experiment, backends: &mut Backends, sink: &mut dyn Sink) -> Result<Work, EngineError> {
+fn compute(
+    experiment: &Experiment,
+    backends: &mut Backends,
+    sink: &mut (dyn Sink + Send),
+) -> Result<Work, EngineError> {
     let points = experiment.design.len();
     let progress = Progress::new(engine::instance_periods(&experiment.settings, points), points, false);
     let units: Vec<usize> = (0..sink.units()).collect();
-    engine::run_on(backends, experiment, sink, &units, &mut |event| progress.hear(event))
+    engine::run_on(std::slice::from_mut(backends), experiment, sink, &units, &mut |event| {
+        progress.hear(event)
+    })
 }
 
 /// Audits the map as the experiment asks, and stores the result.

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use tribochaos::design::{Coordinate, Spacing, Varied};
 use tribochaos::engine::audit::Audit;
 use tribochaos::engine::choice::Choice;
-use tribochaos::engine::{self, Work};
+use tribochaos::engine::{self, Backends, Work};
 use tribochaos::experiment::{Experiment, Scheme, Settings};
 use tribochaos::machine::units::si;
 use tribochaos::map::{self, ParameterMap};
@@ -73,6 +73,15 @@ pub fn plan(experiment: &Experiment) -> String {
 
 pub fn device(choice: &Choice) -> String {
     format!("on {} ({})", choice.backends.active().device(), choice.reason)
+}
+
+/// On what something runs that may run on several devices at once, and why.
+pub fn devices(backends: &[Backends], reason: &str) -> String {
+    let device = backends[0].active().device();
+    match backends.len() {
+        1 => format!("on {device} ({reason})"),
+        count => format!("on {count} GPUs, the first of them {device} ({reason})"),
+    }
 }
 
 /// Why points are under-resolved by a scheme, and what may resolve them.

@@ -55,6 +55,9 @@ pub struct ScanArgs {
     /// seconds]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     unit_points: Option<u32>,
+    /// Hardware GPUs that are used at once
+    #[arg(long, value_name = "all|N", default_value = "all", value_parser = gpus)]
+    gpus: usize,
     /// Replace results of another experiment, and compute those of the same one again
     #[arg(long)]
     force: bool,
@@ -69,6 +72,17 @@ pub struct ScanArgs {
     quiet: bool,
     #[command(flatten)]
     json: JsonArgs,
+}
+
+/// A number of GPUs; `all` is more than a machine has.
+fn gpus(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        _ if text == "all" => Ok(usize::MAX),
+        Ok(count) if count > 0 => Ok(count),
+        _ => Err(format!(
+            "`{text}` is no number of GPUs: write all, or a number from 1 on"
+        )),
+    }
 }
 
 impl ScanArgs {
@@ -130,7 +144,7 @@ pub struct Prepared {
     pub written: Request,
     experiment: Experiment,
     quantities: Vec<Quantity>,
-    backends: Backends,
+    backends: Vec<Backends>,
     unit: usize,
     force: bool,
     alone: bool,
@@ -174,8 +188,8 @@ impl Prepared {
             print_line!("{left} of {points} points are left to compute");
         }
         if left > 0 {
-            let seconds = estimate::seconds(&mut self.backends, &self.experiment).map_err(Failure::backend)?;
-            let seconds = Duration::from_secs_f64(seconds * left as f64 / points as f64);
+            let seconds = estimate::seconds(&mut self.backends[0], &self.experiment).map_err(Failure::backend)?;
+            let seconds = Duration::from_secs_f64(seconds * left as f64 / points as f64 / self.backends.len() as f64);
             print_line!("about {}", report::duration(seconds));
         }
         print_line!("would write {}", self.path.display());
@@ -207,14 +221,14 @@ impl ScanArgs {
         }
         let path = request.out.unwrap_or_else(|| "outputs/scan.zarr".into());
         outputs::name_of_store(&path).map_err(Failure::Input)?;
-        let choice = choice::choose(&experiment).map_err(Failure::backend)?;
-        let unit = self.unit_points.map_or_else(
-            || choice.backends.points_per_unit(&experiment),
-            |points| points as usize,
-        );
+        let (mut backends, reason) = choice::choose_all(&experiment).map_err(Failure::backend)?;
+        backends.truncate(self.gpus);
+        let unit = self
+            .unit_points
+            .map_or_else(|| backends[0].points_per_unit(&experiment), |points| points as usize);
         if !self.json.wanted() {
             let size = store::size_bytes(&experiment, &quantities, unit);
-            print_line!("{}\n{}", report::plan(&experiment), report::device(&choice));
+            print_line!("{}\n{}", report::plan(&experiment), report::devices(&backends, &reason));
             print_line!("store:  {} for {} points", report::bytes(size), experiment.design.len());
         }
         Ok(Some(Prepared {
@@ -222,7 +236,7 @@ impl ScanArgs {
             written,
             experiment,
             quantities,
-            backends: choice.backends,
+            backends,
             unit,
             force: self.force,
             alone: self.alone || !self.part.is_all(),

@@ -198,9 +198,13 @@ fn repair(args: &VerifyArgs, store: Store, survey: &Survey) -> Result<(), Failur
     let units: Vec<usize> = survey.damaged.iter().map(|(unit, _)| *unit).collect();
     let points = units.iter().map(|&unit| store.points(unit).len()).sum();
     let progress = Progress::new(engine::instance_periods(&experiment.settings, points), points, false);
-    engine::run_on(&mut backends, &experiment, &mut store, &units, &mut |event| {
-        progress.hear(event)
-    })
+    engine::run_on(
+        std::slice::from_mut(&mut backends),
+        &experiment,
+        &mut store,
+        &units,
+        &mut |event| progress.hear(event),
+    )
     .map(|_| ())
     .map_err(|error| stores::unfinished(error, &args.store))
 }

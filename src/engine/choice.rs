@@ -3,8 +3,8 @@
 //! Owns the meaning of `auto`, `gpu` and `cpu`; integrates nothing.
 
 use super::Backends;
-use crate::backend::BackendError;
 use crate::backend::cpu::CpuBackend;
+use crate::backend::{BackendError, BackendKind};
 use crate::experiment::{BackendChoice, Experiment, Precision};
 
 /// The chosen backend with its fall-back, and the reason for the choice in a sentence.
@@ -44,6 +44,24 @@ pub fn choose(experiment: &Experiment) -> Result<Choice, BackendError> {
     }
 }
 
+/// All that an experiment can run on at once: every hardware GPU where [`choose`] takes one, else what it chooses.
+///
+/// # Errors
+/// As [`choose`].
+pub fn choose_all(experiment: &Experiment) -> Result<(Vec<Backends>, String), BackendError> {
+    let Choice { backends, reason } = choose(experiment)?;
+    let mut all = vec![backends];
+    let device = &experiment.device;
+    if device.backend == BackendChoice::Auto && all[0].active().kind() == BackendKind::GpuF32 {
+        let precision = experiment.settings.integration.precision.unwrap_or(Precision::F64);
+        let others = gpu::all(device.adapter.as_deref(), &|| Box::new(CpuBackend::new(precision)));
+        if others.len() > 1 {
+            all = others;
+        }
+    }
+    Ok((all, reason))
+}
+
 #[cfg(feature = "gpu")]
 mod gpu {
     //! GPUs that can be chosen.
@@ -60,6 +78,14 @@ mod gpu {
             backends: Backends::new(Box::new(gpu), None),
             reason: "a GPU was asked for".into(),
         })
+    }
+
+    /// All hardware GPUs, each with a fall-back.
+    pub fn all(adapter: Option<&str>, fallback: &dyn Fn() -> Box<dyn Backend>) -> Vec<Backends> {
+        let contexts = GpuContext::open_all(adapter).into_iter();
+        contexts
+            .map(|context| Backends::new(Box::new(GpuBackend::new(context)), Some(fallback())))
+            .collect()
     }
 
     /// A hardware GPU with a fall-back, or the reason why there is none.
@@ -90,13 +116,17 @@ mod gpu {
 mod gpu {
     //! A build without GPUs.
 
-    use super::Choice;
+    use super::{Backends, Choice};
     use crate::backend::{Backend, BackendError};
 
     const NONE: &str = "this build has no GPU backend: it was made without the feature `gpu`";
 
     pub fn asked_for(_adapter: Option<&str>) -> Result<Choice, BackendError> {
         Err(BackendError::Unsupported(NONE.into()))
+    }
+
+    pub fn all(_adapter: Option<&str>, _fallback: &dyn Fn() -> Box<dyn Backend>) -> Vec<Backends> {
+        Vec::new()
     }
 
     #[expect(clippy::unnecessary_wraps, reason = "the same signature as with GPUs")]

@@ -14,7 +14,11 @@ mod sink;
 mod table;
 
 use std::ops::ControlFlow;
-use std::thread::sleep;
+use std::panic::resume_unwind;
+use std::slice::from_mut;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread::{ScopedJoinHandle, scope, sleep};
 use std::time::{Duration, Instant};
 
 pub use self::backends::Backends;
@@ -58,7 +62,7 @@ pub enum Event<'a> {
 }
 
 /// Receives the events of a run; may break the run off.
-pub type Observer<'a> = dyn FnMut(Event<'_>) -> ControlFlow<()> + 'a;
+pub type Observer<'a> = dyn FnMut(Event<'_>) -> ControlFlow<()> + Send + 'a;
 
 /// What a run did.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -85,7 +89,7 @@ pub fn run(experiment: &Experiment) -> Result<Results, BackendError> {
     let unit = backends.points_per_unit(experiment);
     let mut table = Table::new(experiment.clone(), unit);
     let units: Vec<usize> = (0..table.units()).collect();
-    match run_on(&mut backends, experiment, &mut table, &units, &mut |_| {
+    match run_on(from_mut(&mut backends), experiment, &mut table, &units, &mut |_| {
         ControlFlow::Continue(())
     }) {
         Ok(_) => Ok(table.into_results()),
@@ -104,41 +108,50 @@ pub fn run(experiment: &Experiment) -> Result<Results, BackendError> {
 /// If there is no such device, or as [`run_on`].
 pub fn run_into(
     experiment: &Experiment,
-    sink: &mut dyn Sink,
+    sink: &mut (dyn Sink + Send),
     observer: &mut Observer<'_>,
 ) -> Result<Work, EngineError> {
     let choice = choice::choose(experiment).map_err(|error| EngineError::new(error.into(), sink))?;
     let mut backends = choice.backends;
     let units: Vec<usize> = (0..sink.units()).collect();
-    run_on(&mut backends, experiment, sink, &units, observer)
+    run_on(from_mut(&mut backends), experiment, sink, &units, observer)
 }
 
 /// How long to wait before units of other processes are looked at again.
 const WAIT: Duration = Duration::from_millis(500);
 
-/// Runs units of an experiment on a backend, one by one in the given order. Units that the sink has are left as they are. Units that another process computes are waited for, and computed here if that process ends without them.
+/// Runs units of an experiment on some backends, each of which takes the next unit of the given order when it has finished one. Units that
+/// the sink has are left as they are. Units that another process computes are waited for, and computed here if that process ends
+/// without them.
 ///
 /// # Errors
-/// With the number of finished units, all of which the sink has: if the backend fails and no fall-back is left, the sink fails, or
+/// With the number of finished units, all of which the sink has: if a backend fails and no fall-back is left, the sink fails, or
 /// the observer broke the run off.
 pub fn run_on(
-    backends: &mut Backends,
+    backends: &mut [Backends],
     experiment: &Experiment,
-    sink: &mut dyn Sink,
+    sink: &mut (dyn Sink + Send),
     units: &[usize],
     observer: &mut Observer<'_>,
 ) -> Result<Work, EngineError> {
     let mut work = Work::default();
     let mut left = units.to_vec();
     loop {
-        let mut busy = Vec::new();
-        for unit in left {
-            match run_unit(unit, backends, experiment, sink, observer) {
-                Ok(Some(done)) => work.add(&done),
-                Ok(None) => busy.push(unit),
-                Err(cause) => return Err(EngineError::new(cause, sink)),
+        let round = Round {
+            experiment,
+            units: &left,
+            next: AtomicUsize::new(0),
+            is_over: AtomicBool::new(false),
+            sink: Mutex::new(&mut *sink),
+            observer: Mutex::new(&mut *observer),
+        };
+        let busy = match round.run(backends) {
+            Ok((done, busy)) => {
+                work.add(&done);
+                busy
             }
-        }
+            Err(cause) => return Err(EngineError::new(cause, sink)),
+        };
         if busy.is_empty() {
             break;
         }
@@ -156,49 +169,119 @@ pub fn run_on(
     }
 }
 
-/// Computes a unit that the sink lacks; None if another process is doing so.
-fn run_unit(
-    unit: usize,
-    backends: &mut Backends,
-    experiment: &Experiment,
-    sink: &mut dyn Sink,
-    observer: &mut Observer<'_>,
-) -> Result<Option<Work>, Cause> {
-    let (design, settings) = (&experiment.design, &experiment.settings);
-    let points: Vec<usize> = sink.points(unit).collect();
-    let instance_periods = instance_periods(settings, points.len());
-    let found = |tally: &Tally, observer: &mut Observer<'_>| {
-        go_on(observer(Event::Found {
-            tally,
-            instance_periods,
+/// One pass over the units that are left.
+struct Round<'a, 'o> {
+    experiment: &'a Experiment,
+    units: &'a [usize],
+    /// How many of them have been taken.
+    next: AtomicUsize,
+    /// Whether a backend has failed, or the run was broken off.
+    is_over: AtomicBool,
+    sink: Mutex<&'a mut (dyn Sink + Send)>,
+    observer: Mutex<&'a mut Observer<'o>>,
+}
+
+impl<'a> Round<'a, '_> {
+    /// Returns what was done, and the units that other processes have.
+    fn run(&self, backends: &mut [Backends]) -> Result<(Work, Vec<usize>), Cause> {
+        let results: Vec<Result<(Work, Vec<usize>), Cause>> = match backends {
+            [backends] => vec![self.run_on(backends)],
+            several => scope(|scope| {
+                let threads: Vec<_> = several
+                    .iter_mut()
+                    .map(|backends| scope.spawn(|| self.run_on(backends)))
+                    .collect();
+                let joined = threads.into_iter().map(ScopedJoinHandle::join);
+                joined
+                    .map(|result| result.unwrap_or_else(|panic| resume_unwind(panic)))
+                    .collect()
+            }),
+        };
+        let (mut work, mut busy) = (Work::default(), Vec::new());
+        for result in results {
+            let (done, left) = result?;
+            work.add(&done);
+            busy.extend(left);
+        }
+        busy.sort_unstable();
+        Ok((work, busy))
+    }
+
+    /// Takes unit after unit for one backend.
+    fn run_on(&self, backends: &mut Backends) -> Result<(Work, Vec<usize>), Cause> {
+        let (mut work, mut busy) = (Work::default(), Vec::new());
+        while let Some(&unit) = self.units.get(self.next.fetch_add(1, Ordering::Relaxed))
+            && !self.is_over.load(Ordering::Relaxed)
+        {
+            match self.run_unit(unit, backends) {
+                Ok(Some(done)) => work.add(&done),
+                Ok(None) => busy.push(unit),
+                Err(cause) => {
+                    self.is_over.store(true, Ordering::Relaxed);
+                    return Err(cause);
+                }
+            }
+        }
+        Ok((work, busy))
+    }
+
+    /// Computes a unit that the sink lacks; None if another process is doing so.
+    fn run_unit(&self, unit: usize, backends: &mut Backends) -> Result<Option<Work>, Cause> {
+        let (design, settings) = (&self.experiment.design, &self.experiment.settings);
+        let points: Vec<usize> = self.sink().points(unit).collect();
+        let found = |tally: &Tally| {
+            let instance_periods = instance_periods(settings, points.len());
+            go_on(self.tell(Event::Found {
+                tally,
+                instance_periods,
+            }))
+            .map(|()| Some(Work::default()))
+        };
+        let condition = self.sink().condition(unit)?;
+        match condition {
+            Condition::Missing => {}
+            Condition::Whole(tally) => return found(&tally),
+            Condition::Damaged { what } => go_on(self.tell(Event::Damaged { unit, what: &what }))?,
+        }
+        let claim = self.sink().claim(unit)?;
+        let Some(_claim) = claim else {
+            return Ok(None);
+        };
+        // another process may have finished it before the claim
+        let condition = self.sink().condition(unit)?;
+        if let Condition::Whole(tally) = condition {
+            return found(&tally);
+        }
+        let started = Instant::now();
+        let mut observer = |event: Event<'_>| {
+            // what another backend has ended ends here as well
+            if self.is_over.load(Ordering::Relaxed) {
+                return ControlFlow::Break(());
+            }
+            self.tell(event)
+        };
+        let measured = backends.measure(design, settings, &points, &mut observer)?;
+        let measured = measured.ok_or(Cause::Stopped)?;
+        let origin = Origin {
+            device: backends.active().device(),
+            elapsed: started.elapsed(),
+        };
+        self.sink().write(unit, &measured, &origin)?;
+        go_on(self.tell(Event::Finished(&Tally::of(&measured))))?;
+        Ok(Some(Work {
+            points: points.len(),
+            instance_periods: measured.iter().map(|m| u64::from(m.integrated_periods)).sum(),
         }))
-        .map(|()| Some(Work::default()))
-    };
-    match sink.condition(unit)? {
-        Condition::Missing => {}
-        Condition::Whole(tally) => return found(&tally, observer),
-        Condition::Damaged { what } => go_on(observer(Event::Damaged { unit, what: &what }))?,
     }
-    let Some(_claim) = sink.claim(unit)? else {
-        return Ok(None);
-    };
-    // another process may have finished it before the claim
-    if let Condition::Whole(tally) = sink.condition(unit)? {
-        return found(&tally, observer);
+
+    fn sink(&self) -> MutexGuard<'_, &'a mut (dyn Sink + Send)> {
+        self.sink.lock().unwrap_or_else(PoisonError::into_inner)
     }
-    let started = Instant::now();
-    let measured = backends.measure(design, settings, &points, observer)?;
-    let measured = measured.ok_or(Cause::Stopped)?;
-    let origin = Origin {
-        device: backends.active().device(),
-        elapsed: started.elapsed(),
-    };
-    sink.write(unit, &measured, &origin)?;
-    go_on(observer(Event::Finished(&Tally::of(&measured))))?;
-    Ok(Some(Work {
-        points: points.len(),
-        instance_periods: measured.iter().map(|m| u64::from(m.integrated_periods)).sum(),
-    }))
+
+    fn tell(&self, event: Event<'_>) -> ControlFlow<()> {
+        let mut observer = self.observer.lock().unwrap_or_else(PoisonError::into_inner);
+        observer(event)
+    }
 }
 
 fn go_on(answer: ControlFlow<()>) -> Result<(), Cause> {

@@ -52,8 +52,16 @@ impl Lock {
     /// # Errors
     /// [`StoreError::NoLocks`] or [`StoreError::Write`].
     pub fn of_unit(store: &Path, unit: usize) -> Result<Option<Self>, StoreError> {
-        let path = mark::folder(store).join(format!("{unit}.claim"));
-        Self::take(store, &path, Use::Alone)
+        Self::take(store, &claim(store, unit), Use::Alone)
+    }
+
+    /// Removes the file of a claim that a process has left that was killed.
+    pub fn clear_unit(store: &Path, unit: usize) {
+        let path = claim(store, unit);
+        if path.exists() {
+            // what is dropped removes its file, if no other process has it
+            let _ = Self::take(store, &path, Use::Alone);
+        }
     }
 
     /// What holds nothing, for a process that is told to be the only one.
@@ -107,6 +115,10 @@ impl Drop for Lock {
             let _ = fs::remove_file(&self.path);
         }
     }
+}
+
+fn claim(store: &Path, unit: usize) -> PathBuf {
+    mark::folder(store).join(format!("{unit}.claim"))
 }
 
 fn cannot_write(store: &Path, error: &io::Error) -> StoreError {

@@ -280,7 +280,11 @@ impl Sink for Store {
     }
 
     fn condition(&self, unit: usize) -> Result<Condition, SinkError> {
-        Ok(self.check_unit(unit)?)
+        let condition = self.check_unit(unit)?;
+        if self.claims && matches!(condition, Condition::Whole(_)) {
+            Lock::clear_unit(self.path(), unit);
+        }
+        Ok(condition)
     }
 
     fn is_finished(&self, unit: usize) -> Result<bool, SinkError> {

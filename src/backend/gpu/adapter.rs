@@ -98,6 +98,18 @@ pub(super) fn choose(name: Option<&str>, allow_software: bool) -> Result<wgpu::A
     Ok(adapters.into_iter().nth(index).expect("the index is of this list"))
 }
 
+/// All hardware adapters with `name` in their name, each GPU once: those of the interface that the preferred one has.
+pub(super) fn all_hardware(name: Option<&str>) -> Vec<wgpu::Adapter> {
+    let mut adapters = enumerate();
+    let is_wanted = |info: &wgpu::AdapterInfo| {
+        info.device_type != wgpu::DeviceType::Cpu && AdapterDescription::new(info).is_named(name.unwrap_or_default())
+    };
+    adapters.retain(|adapter| is_wanted(&adapter.get_info()));
+    let preferred = adapters.first().map(|adapter| adapter.get_info().backend);
+    adapters.retain(|adapter| Some(adapter.get_info().backend) == preferred);
+    adapters
+}
+
 fn choose_index(adapters: &[AdapterDescription], name: Option<&str>, allow_software: bool) -> Result<usize, String> {
     let is_named = |adapter: &AdapterDescription| adapter.is_named(name.unwrap_or_default());
     if let Some(index) = adapters

@@ -48,7 +48,19 @@ impl GpuContext {
         allow_software: bool,
         workgroup_size: u32,
     ) -> Result<Self, BackendError> {
-        let adapter = adapter::choose(adapter, allow_software)?;
+        Self::of(&adapter::choose(adapter, allow_software)?, workgroup_size)
+    }
+
+    /// Opens every hardware adapter with `adapter` in its name, or every one; those that do not open are left out.
+    pub fn open_all(adapter: Option<&str>) -> Vec<Self> {
+        let adapters = adapter::all_hardware(adapter);
+        adapters
+            .iter()
+            .filter_map(|adapter| Self::of(adapter, WORKGROUP_SIZE).ok())
+            .collect()
+    }
+
+    fn of(adapter: &wgpu::Adapter, workgroup_size: u32) -> Result<Self, BackendError> {
         let description = AdapterDescription::new(&adapter.get_info());
         // the highest limits of the adapter: the default ones would keep batches small
         let limits = adapter.limits();

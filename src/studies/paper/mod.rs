@@ -42,7 +42,7 @@ pub struct Figure {
 }
 
 /// Called after each piece of work; may stop the computation.
-pub type Breaker<'a> = dyn FnMut() -> ControlFlow<()> + 'a;
+pub type Breaker<'a> = dyn FnMut() -> ControlFlow<()> + Send + 'a;
 
 /// The result of a figure.
 pub struct Outcome {
