@@ -234,6 +234,11 @@ fn short_help_is_short_and_no_line_of_the_long_one_is_wide() {
     let short = text(&tribochaos(folder.path(), &["map", "-h"]).stdout);
     let long = text(&tribochaos(folder.path(), &["map", "--help"]).stdout);
     assert!(!short.contains("ramp_rate") && long.contains("ramp_rate"));
+    let onset = text(&tribochaos(folder.path(), &["lyapunov", "--help"]).stdout);
+    assert!(
+        onset.contains("The onset of chaos is the least chaotic value"),
+        "{onset}"
+    );
     let table = long.split("Parameters (").nth(1).unwrap();
     let widest = table.lines().map(|line| line.chars().count()).max().unwrap();
     assert!(widest <= 86, "{widest}");

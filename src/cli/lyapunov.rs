@@ -26,7 +26,7 @@ const COMMAND: &str = "lyapunov";
 
 /// The onset of chaos is the least chaotic value on a fine grid over the whole range of the axis, and the end is the greatest. A
 /// value is chaotic if three conditions hold: the exponent is above 0.005 over 100 periods after 380; the motion is neither
-/// regular nor quasi-periodic; it is also chaotic over 2000 periods. The friction layer is resolved (rk4 takes at least 4000
+/// regular nor quasi-periodic nor unstable; it is also chaotic over 2000 periods. The friction layer is resolved (rk4 takes at least 4000
 /// steps a period). The number of values of the axis does not matter. Without an initial state by --start, --set or --preset,
 /// three are tried: (0.1, 0), (1, 0) and (-1, 0).
 #[derive(Args)]

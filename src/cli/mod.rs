@@ -55,7 +55,7 @@ mod stores;
 use std::process::ExitCode;
 
 use anyhow::anyhow;
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use tribochaos::backend::BackendError;
 use tribochaos::experiment::{BackendChoice, Request};
 
@@ -171,11 +171,41 @@ fn command() -> clap::Command {
         ("poincare", on_the_cpu(poincare::defaults()), poincare::HIDDEN),
         ("history", on_the_cpu(history::defaults()), history::HIDDEN),
     ];
-    commands
+    let told = commands
         .into_iter()
         .fold(Cli::command(), |command, (name, defaults, hidden)| {
             command.mut_subcommand(name, |command| request::tell_defaults(command, &defaults, hidden))
-        })
+        });
+    let described: [(&str, Describe); 12] = [
+        ("point", describe::<point::PointArgs>),
+        ("scan", describe::<scan::ScanArgs>),
+        ("slurm", describe::<slurm::SlurmArgs>),
+        ("bifurcation", describe::<bifurcation::BifurcationArgs>),
+        ("lyapunov", describe::<lyapunov::LyapunovArgs>),
+        ("phase", describe::<phase::PhaseArgs>),
+        ("poincare", describe::<poincare::PoincareArgs>),
+        ("history", describe::<history::HistoryArgs>),
+        ("melnikov", describe::<melnikov::MelnikovArgs>),
+        ("machine", describe::<machine::MachineArgs>),
+        ("reproduce", describe::<reproduce::ReproduceArgs>),
+        ("completions", describe::<completions::CompletionsArgs>),
+    ];
+    described
+        .into_iter()
+        .fold(told, |command, (name, describe)| command.mut_subcommand(name, describe))
+}
+
+/// What changes a command.
+type Describe = fn(clap::Command) -> clap::Command;
+
+/// The long help of a command begins with the line of the list of commands; then comes what its options are documented with.
+fn describe<A: Args>(command: clap::Command) -> clap::Command {
+    let own = A::augment_args(clap::Command::new(""));
+    let line = command.get_about().map(ToString::to_string).unwrap_or_default();
+    match own.get_long_about().or(own.get_about()) {
+        Some(text) => command.long_about(format!("{line}\n\n{text}")),
+        None => command,
+    }
 }
 
 pub fn main() -> ExitCode {
@@ -245,5 +275,15 @@ fn answer(error: &clap::Error) -> ExitCode {
             eprintln!("error: standard output cannot be written: {reason}");
             ExitCode::from(1)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_options_of_every_command_go_together() {
+        command().debug_assert();
     }
 }

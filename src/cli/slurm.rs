@@ -31,7 +31,7 @@ pub struct SlurmArgs {
     cpus: u32,
     /// GPUs of a task
     #[arg(long, value_name = "N", default_value_t = 0)]
-    gpus: u32,
+    gpus_per_task: u32,
     /// Partition of the cluster [default: the cluster's]
     #[arg(long, value_name = "NAME")]
     partition: Option<String>,
@@ -97,7 +97,7 @@ impl SlurmArgs {
             tasks,
             time,
             cpus,
-            gpus,
+            gpus_per_task,
             partition,
             ..
         } = self;
@@ -118,8 +118,8 @@ impl SlurmArgs {
             store = store.display(),
             logs = logs.display(),
         );
-        if *gpus > 0 {
-            let _ = writeln!(text, "#SBATCH --gpus-per-task={gpus}");
+        if *gpus_per_task > 0 {
+            let _ = writeln!(text, "#SBATCH --gpus-per-task={gpus_per_task}");
         }
         if let Some(partition) = partition {
             let _ = writeln!(text, "#SBATCH --partition={partition}");
