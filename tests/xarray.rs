@@ -8,7 +8,7 @@ use std::process::Command;
 use std::time::Duration;
 
 use tribochaos::backend::BackendKind;
-use tribochaos::design::Axis;
+use tribochaos::design::{Axis, Coordinate, Points, Varied};
 use tribochaos::engine::{Origin, Sink};
 use tribochaos::experiment::Request;
 use tribochaos::machine::{Description, TEMPLATE};
@@ -72,6 +72,22 @@ fn xarray_opens_the_store() {
     let store = Store::create(&path, &experiment, &Quantity::all(), 14).unwrap();
     write(store, |unit| unit > 0);
     check("xarray_opens.py", &path);
+}
+
+#[test]
+fn xarray_opens_the_store_of_a_list_of_points() {
+    if !has_xarray() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("points.zarr");
+    let rows: Vec<[f64; 2]> = (0..34).map(|row| [f64::from(row) / 10.0, 0.5]).collect();
+    let coordinates = ["zeta_k", "h1"].map(|name| Coordinate::from_name(name).unwrap());
+    let points = Points::new(coordinates.to_vec(), &rows).unwrap();
+    let experiment = Request::default().resolve_over(Varied::Points(points)).unwrap();
+    let store = Store::create(&path, &experiment, &[Quantity::Lyapunov], 10).unwrap();
+    write(store, |_| true);
+    check("xarray_opens_points.py", &path);
 }
 
 #[test]
