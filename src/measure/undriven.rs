@@ -34,9 +34,9 @@ const ALONG_THE_FLOW: f64 = 0.1;
 /// If the divergence is smaller than this, the motion has no damping.
 const DAMPED: f64 = 1e-6;
 
-/// The instance with the omega_0 by which it is integrated.
+/// The instance with the omega_0 by which it is integrated. With wear that is the given one: it determines how long the run is.
 pub(super) fn instance(mut instance: Instance) -> Instance {
-    if !instance.parameters.is_driven() {
+    if !instance.parameters.is_driven() && !instance.parameters.wears() {
         instance.parameters[Parameter::Omega0] = OMEGA_0;
     }
     instance

@@ -83,6 +83,20 @@ fn friction_that_does_not_move_the_bush_heats_it() {
     }
 }
 
+/// Without a drive, a run with wear is as long as the given omega_0 says; its wear grows with its length.
+#[test]
+fn wear_without_a_drive_goes_on_for_the_periods_of_omega_0() {
+    let slow = |omega_0| paper(0.0).with(Parameter::Omega0, omega_0);
+    let measured = measure(Precision::F64, &contact_settings(), &[slow(2.0), slow(0.5)]);
+    for (m, omega_0) in measured.iter().zip([2.0, 0.5]) {
+        assert_eq!(m.status, Status::Ok);
+        let run = 30.0 * std::f64::consts::TAU / omega_0;
+        let end = m.contact.lost.map_or(run, |lost| lost.min(run));
+        close(m.lyapunov_interval, end, 1e-9, &format!("run at omega_0 = {omega_0}"));
+    }
+    assert!(measured[1].contact.final_wear > 1.5 * measured[0].contact.final_wear);
+}
+
 #[test]
 fn the_paper_s_contact_is_lost_when_and_how_the_model_says() {
     // tau_c, wear, peak pressure and its time, peak temperature; converged by finite volumes of ever finer rings
