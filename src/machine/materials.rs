@@ -107,7 +107,7 @@ pub const MATERIALS: &[Material] = &[
         title: "cartridge brass C26000, annealed",
         constants: [110e9, 0.35, 19.9e-6, 120.0, 37.5e-6],
         melting_point: 1188.0,
-        yield_strength: 75e6,
+        yield_strength: 76e6,
         source: "Callister, appendix B (expansion) and table 19.1 (120 W/(m K), 375 J/(kg K)); Olin Brass, C26000 (modulus, \
                  8530 kg/m³); melting: Incropera and DeWitt, table A.1; yield: AZoM, article 6341 (76 MPa)",
     },

@@ -15,7 +15,8 @@ pub struct Units {
 }
 
 impl Units {
-    /// Units of at most `points` points each, and of one point at least.
+    /// Units of at most `points` points each, and of one point at least. Those along the divided axis are as equal as they can be, since
+    /// what the last one lacks is stored as well.
     ///
     /// # Panics
     /// If an axis has no values.
@@ -23,10 +24,10 @@ impl Units {
         assert!(sides.iter().all(|&side| side > 0), "an axis has values");
         let mut left = points.max(1);
         let block = sides.iter().map(|&side| {
-            let values = side.min(left);
+            let most = side.min(left);
             // behind the divided axis nothing is left but one value of each
-            left = if values == side { left / side } else { 1 };
-            values
+            left = if most == side { left / side } else { 1 };
+            side.div_ceil(side.div_ceil(most))
         });
         Self {
             block: block.collect(),
@@ -34,10 +35,17 @@ impl Units {
         }
     }
 
-    /// The units whose blocks have so many values of each axis; None unless the blocks are such as [`Units::new`] makes.
+    /// The units whose blocks have so many values of each axis; None unless the points of each follow each other.
     pub fn of_block(sides: &[usize], block: &[usize]) -> Option<Self> {
-        let units = Self::new(sides, block.iter().product());
-        (units.block == block).then_some(units)
+        let fits = |(side, values): (&usize, &usize)| (1..=*side).contains(values);
+        let divided = sides.iter().zip(block).position(|(side, values)| values < side);
+        let behind = divided.map_or(&[][..], |at| block.get(at + 1..).unwrap_or_default());
+        let follows =
+            sides.len() == block.len() && sides.iter().zip(block).all(fits) && behind.iter().all(|&values| values == 1);
+        follows.then(|| Self {
+            sides: sides.to_vec(),
+            block: block.to_vec(),
+        })
     }
 
     /// Number of values of each axis in a block that is not cut off, the first axis first.
@@ -107,9 +115,9 @@ mod tests {
         let block = |sides: &[usize], points| Units::new(sides, points).block().to_vec();
         assert_eq!(block(&[300, 201], 4096), [300, 13]);
         assert_eq!(block(&[300, 201], 1 << 20), [300, 201]);
-        assert_eq!(block(&[300, 201], 299), [299, 1]);
-        assert_eq!(block(&[50, 40, 20, 2], 16384), [50, 40, 8, 1]);
-        assert_eq!(block(&[50, 1, 20, 2], 49), [49, 1, 1, 1]);
+        assert_eq!(block(&[300, 201], 299), [150, 1]);
+        assert_eq!(block(&[50, 40, 20, 2], 16384), [50, 40, 7, 1]);
+        assert_eq!(block(&[50, 1, 20, 2], 49), [25, 1, 1, 1]);
         assert_eq!(block(&[7], 3), [3]);
         assert!(block(&[], 3).is_empty());
     }
@@ -136,7 +144,10 @@ mod tests {
             assert_eq!(next, sides.iter().product::<usize>());
             assert_eq!(Units::of_block(&sides, units.block()), Some(units));
         }
+        assert_eq!(Units::of_block(&[7, 5], &[6, 1]).unwrap().points(3), 13..14);
         assert_eq!(Units::of_block(&[7, 5], &[3, 2]), None);
+        assert_eq!(Units::of_block(&[7, 5], &[7, 6]), None);
+        assert_eq!(Units::of_block(&[7, 5], &[0, 1]), None);
         assert_eq!(Units::of_block(&[7, 5], &[7]), None);
     }
 }
