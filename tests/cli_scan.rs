@@ -169,6 +169,9 @@ fn a_scan_over_four_parameters_is_stored_gone_on_with_and_described() {
         "cpu",
     ];
     succeeds(&tribochaos(folder.path(), &from));
+    // the motion is known though its class is not stored
+    let again = object(&tribochaos(folder.path(), &["status", "again.zarr", "--json"]));
+    assert_eq!(again["motion"], status["motion"]);
     let exponents = |store: &str| {
         contents(&folder.path().join(store))
             .into_iter()
@@ -481,6 +484,8 @@ fn damage_is_named_and_only_damaged_units_are_computed_again() {
     // and metadata
     for file in ["zarr.json", "h1/c/0", "class/zarr.json"] {
         flip(&format!("s.zarr/{file}"));
+        let named = format!("its file {file}; the command that computed it writes it anew");
+        fails(&verify(&["--repair"]), 2, &named);
         let output = scan(folder.path(), "s.zarr", &[]);
         assert!(
             succeeds(&output).contains("0 points in "),

@@ -74,7 +74,7 @@ impl Wanted<'_> {
                         }
                     }
                 }
-                Err(error) if matches!(error.downcast_ref(), Some(StoreError::Damaged { .. })) => {
+                Err(error) if matches!(error.downcast_ref(), Some(StoreError::Metadata { .. })) => {
                     drop(lock);
                     let lock = take(Use::Alone)?;
                     let store = Store::mend(path, self.experiment, self.quantities)

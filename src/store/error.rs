@@ -31,6 +31,8 @@ pub enum StoreError {
         path.display()
     )]
     Damaged { path: PathBuf, what: String },
+    #[error("{} is damaged: {what}; the command that computed it writes it anew", path.display())]
+    Metadata { path: PathBuf, what: String },
     #[error("{} is damaged: {what}; restore it from a copy, or remove it and compute it again", path.display())]
     Lost { path: PathBuf, what: String },
     #[error(

@@ -57,12 +57,12 @@ impl Group {
     /// Reads the metadata of a store of any version that is known.
     ///
     /// # Errors
-    /// [`StoreError::Foreign`], [`StoreError::Version`] or [`StoreError::Damaged`].
+    /// [`StoreError::Foreign`], [`StoreError::Version`] or [`StoreError::Metadata`].
     pub fn read(store: &Path) -> Result<Self, StoreError> {
         let foreign = || StoreError::Foreign { path: store.to_owned() };
         let text = fs::read(store.join(METADATA)).map_err(|_| foreign())?;
         let is_ours = contains(&text, FORMAT) || contains(&text, FORMAT_1) || mark::folder(store).is_dir();
-        let damaged = || StoreError::Damaged {
+        let damaged = || StoreError::Metadata {
             path: store.to_owned(),
             what: format!("its file {METADATA}"),
         };

@@ -108,12 +108,12 @@ impl Store {
     /// Opens a store and checks all of it but its values.
     ///
     /// # Errors
-    /// [`StoreError::Missing`], [`StoreError::Foreign`], [`StoreError::Version`] or [`StoreError::Damaged`].
+    /// [`StoreError::Missing`], [`StoreError::Foreign`], [`StoreError::Version`] or [`StoreError::Metadata`].
     pub fn open(path: &Path) -> Result<Self, StoreError> {
         if !path.is_dir() {
             return Err(StoreError::Missing { path: path.to_owned() });
         }
-        let damaged = |what: String| StoreError::Damaged {
+        let damaged = |what: String| StoreError::Metadata {
             path: path.to_owned(),
             what,
         };

@@ -18,6 +18,9 @@ use crate::engine::{Claim, Condition, Origin, Sink, SinkError};
 use crate::measure::{Measurement, Quantity};
 use crate::results::{Column, Results, Tally};
 
+/// The values of a unit, by their quantities.
+type Columns = Vec<(Quantity, Column)>;
+
 impl Store {
     /// The chunk of a unit, the slowest dimension first.
     fn chunk(&self, unit: usize) -> Vec<u64> {
@@ -93,14 +96,22 @@ impl Store {
     ///
     /// # Errors
     /// [`StoreError::Damaged`] if they are not what was written, [`StoreError::Read`].
-    pub fn read_unit(&self, unit: usize) -> Result<Option<Vec<(Quantity, Column)>>, StoreError> {
+    pub fn read_unit(&self, unit: usize) -> Result<Option<Columns>, StoreError> {
         if self.version() == 1 {
             return self.read_unit_1(unit);
         }
+        let found = self.read_marked(unit)?;
+        Ok(found.map(|(_, columns)| columns))
+    }
+
+    /// The mark of a unit and its values.
+    fn read_marked(&self, unit: usize) -> Result<Option<(Mark, Columns)>, StoreError> {
         let Some(mark) = self.mark(unit)? else {
             return Ok(None);
         };
-        self.check_mark(unit, &mark)?;
+        if mark.experiment != self.experiment_sum {
+            return Err(self.damaged(&format!("unit {unit} belongs to another experiment")));
+        }
         let (place, points) = (self.chunk(unit), self.units.points(unit).len());
         let mut columns = Vec::new();
         for StoredArray { content, array } in &self.arrays {
@@ -121,11 +132,11 @@ impl Store {
                 columns.push((quantity, column));
             }
         }
-        Ok(Some(columns))
+        Ok(Some((mark, columns)))
     }
 
     /// The same of a store of the first version, which has no marks: a unit is finished if it has all of its status.
-    fn read_unit_1(&self, unit: usize) -> Result<Option<Vec<(Quantity, Column)>>, StoreError> {
+    fn read_unit_1(&self, unit: usize) -> Result<Option<Columns>, StoreError> {
         let (place, points) = (self.chunk(unit), self.units.points(unit).len());
         let mut columns = Vec::new();
         for StoredArray { content, array } in &self.arrays {
@@ -200,19 +211,18 @@ impl Store {
     /// # Errors
     /// [`StoreError::Read`] if the file system does not let it be read.
     pub fn check_unit(&self, unit: usize) -> Result<Condition, StoreError> {
-        match self.read_unit(unit) {
+        let found = if self.version() == 1 {
+            self.read_unit_1(unit).map(|columns| columns.as_ref().map(tally))
+        } else {
+            // not from the values: the quantities that tell the motion need not be stored
+            self.read_marked(unit).map(|found| found.map(|(mark, _)| mark.tally))
+        };
+        match found {
             Ok(None) => Ok(Condition::Missing),
-            Ok(Some(columns)) => Ok(Condition::Whole(tally(&columns))),
+            Ok(Some(tally)) => Ok(Condition::Whole(tally)),
             Err(StoreError::Damaged { what, .. }) => Ok(Condition::Damaged { what }),
             Err(error) => Err(error),
         }
-    }
-
-    fn check_mark(&self, unit: usize, mark: &Mark) -> Result<(), StoreError> {
-        if mark.experiment != self.experiment_sum {
-            return Err(self.damaged(&format!("unit {unit} belongs to another experiment")));
-        }
-        Ok(())
     }
 
     fn check_root(&self) -> Result<(), StoreError> {
@@ -256,18 +266,14 @@ impl Store {
     }
 }
 
-/// Points by their kind of motion, as far as the stored quantities tell it.
-fn tally(columns: &[(Quantity, Column)]) -> Tally {
+/// Points by their kind of motion, from the values of a store of the first version, which has all quantities.
+fn tally(columns: &Columns) -> Tally {
     let codes = |of| {
         let column = columns.iter().find(|(quantity, _)| *quantity == of);
-        let values = column.map(|(_, column)| column.values());
-        values
-            .into_iter()
-            .flatten()
-            .map(|code| (!code.is_nan()).then_some(code as usize))
+        let (_, column) = column.expect("it is stored");
+        column.values().map(|code| (!code.is_nan()).then_some(code as usize))
     };
-    let classes = codes(Quantity::Class).chain(std::iter::repeat(None));
-    Tally::counted(codes(Quantity::Status).flatten().zip(classes))
+    Tally::counted(codes(Quantity::Status).flatten().zip(codes(Quantity::Class)))
 }
 
 impl Sink for Store {
