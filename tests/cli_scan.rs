@@ -19,17 +19,8 @@ use tempfile::TempDir;
 
 use crate::program::{text, tribochaos};
 
-/// 960 points over four parameters in 60 units: a second or two.
-const SCAN: &[&str] = &[
-    "scan",
-    "--x",
-    "zeta_k=3:5:16",
-    "--x",
-    "h1=0:1.5:10",
-    "--x",
-    "b=0.8,1,1.2",
-    "--x",
-    "epsilon=log:0.5:2:2",
+/// The shortest lengths, on the CPU.
+const SHORT: &[&str] = &[
     "--backend",
     "cpu",
     "--transient-periods",
@@ -38,18 +29,33 @@ const SCAN: &[&str] = &[
     "20",
     "--periods",
     "64",
-    "--unit-points",
-    "16",
 ];
 
+/// 960 points over four parameters.
+const AXES: &[&str] = &[
+    "--x",
+    "zeta_k=3:5:16",
+    "--x",
+    "h1=0:1.5:10",
+    "--x",
+    "b=0.8,1,1.2",
+    "--x",
+    "epsilon=log:0.5:2:2",
+];
+
+/// The options of a scan of a second or two, in units of so many points: 60 units of 16.
+fn options<'a>(design: &[&'a str], unit_points: &'a str) -> Vec<&'a str> {
+    [&["scan"], design, SHORT, &["--unit-points", unit_points]].concat()
+}
+
 fn scan(folder: &Path, store: &str, more: &[&str]) -> Output {
-    tribochaos(folder, &[SCAN, &["--out", store], more].concat())
+    tribochaos(folder, &[&options(AXES, "16")[..], &["--out", store], more].concat())
 }
 
 fn spawn(folder: &Path, store: &str, more: &[&str]) -> Child {
     Command::new(cargo_bin!("tribochaos"))
         .current_dir(folder)
-        .args([SCAN, &["--out", store], more].concat())
+        .args([&options(AXES, "16")[..], &["--out", store], more].concat())
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
         .spawn()
@@ -192,9 +198,8 @@ fn cuts_and_tables_of_a_scan_hold_its_points() {
         assert!(said.contains(file) && folder.path().join(file).exists(), "{said}");
     }
     // the same points as a map, whose experiment the picture holds
-    let short = ["--backend", "cpu"];
-    let map = ["map", "--from", "cut-lyapunov.png", "--out", "map"];
-    succeeds(&tribochaos(folder.path(), &[&map[..], &short].concat()));
+    let map = ["map", "--from", "cut-lyapunov.png", "--out", "map", "--backend", "cpu"];
+    succeeds(&tribochaos(folder.path(), &map));
     let table = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
     assert_eq!(table("cut-border.csv"), table("map-border.csv"));
     for (args, expected) in [
@@ -262,13 +267,8 @@ fn cuts_and_tables_of_a_scan_hold_its_points() {
         .map(|row| row.splitn(5, ',').take(4).collect::<Vec<_>>().join(","))
         .collect();
     fs::write(folder.path().join("points.csv"), points.join("\n")).unwrap();
-    let again = [
-        &SCAN[..1],
-        &["--points", "points.csv"],
-        &SCAN[9..],
-        &["--out", "again.zarr"],
-    ]
-    .concat();
+    let design = options(&["--points", "points.csv"], "16");
+    let again = [&design[..], &["--out", "again.zarr"]].concat();
     succeeds(&tribochaos(folder.path(), &again));
     succeeds(&tribochaos(folder.path(), &["export", "again.zarr"]));
     let again: Vec<String> = table("again.csv")
@@ -282,17 +282,7 @@ fn cuts_and_tables_of_a_scan_hold_its_points() {
 #[test]
 fn points_of_a_table_and_samples_of_a_box_are_scanned() {
     let folder = TempDir::new().unwrap();
-    let short = [
-        "--transient-periods",
-        "60",
-        "--align-periods",
-        "20",
-        "--periods",
-        "64",
-        "--backend",
-        "cpu",
-    ];
-    let run = |args: &[&str]| tribochaos(folder.path(), &[&["scan"], args, &short].concat());
+    let run = |args: &[&str]| tribochaos(folder.path(), &[&["scan"], args, SHORT].concat());
     fs::write(
         folder.path().join("points.csv"),
         "\u{feff}zeta_k,h1\n3.5,0.5\n4,0.25\n# a note\n4.5,1\n",
@@ -354,7 +344,7 @@ fn parts_and_tilings_of_a_scan_make_the_same_results() {
     }
     assert_same(&path("parts.zarr"), &path("whole.zarr"));
     // in units of another size the values are in other chunks: their order is that of the design in both
-    let large = [&SCAN[..SCAN.len() - 1], &["160", "--out", "large.zarr"]].concat();
+    let large = [&options(AXES, "160")[..], &["--out", "large.zarr"]].concat();
     succeeds(&tribochaos(folder.path(), &large));
     let exponents = |name: &str| -> Vec<u8> {
         let mut chunks: Vec<(Vec<usize>, Vec<u8>)> = contents(&path(name))
@@ -546,7 +536,7 @@ fn a_disk_that_fills_up_in_the_middle_costs_nothing_that_is_finished() {
         {program} {scan} --out disk/full.zarr >/dev/null
         cp -r disk/full.zarr .",
         program = cargo_bin!("tribochaos").display(),
-        scan = SCAN.join(" ")
+        scan = options(AXES, "16").join(" ")
     );
     let own_mounts = ["--user", "--map-root-user", "--mount"];
     let possible = Command::new("unshare")

@@ -8,13 +8,14 @@ use serde_json::{Value, json};
 use tribochaos::design::Axis;
 use tribochaos::engine::audit::{self, Audit};
 use tribochaos::engine::choice::{self, Choice};
-use tribochaos::engine::{self, Backends, Cause, EngineError, Sink, Table, Work, estimate};
+use tribochaos::engine::{self, Backends, Cause, EngineError, Sink, Table, Work};
 use tribochaos::experiment::{Experiment, Request};
 use tribochaos::map::ParameterMap;
 use tribochaos::measure::Quantity;
 use tribochaos::picture::{self, Style};
 use tribochaos::store::Store;
 
+use super::Failure;
 use super::json::JsonArgs;
 use super::outputs::Outputs;
 use super::overlay::{self, Theory};
@@ -22,7 +23,6 @@ use super::progress::{self, Progress};
 use super::report;
 use super::request::{self, AskedAxis, ExperimentArgs};
 use super::stores::{self, Wanted};
-use super::{Failure, outputs};
 
 #[derive(Args)]
 #[command(after_long_help = request::help())]
@@ -116,12 +116,8 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
     };
     if args.dry_run {
         outputs.check(&experiment, args.force).map_err(Failure::Input)?;
-        let store = if args.force {
-            None
-        } else {
-            wanted.resumable(&outputs.store()).map_err(Failure::Input)?
-        };
-        return dry_run(&experiment, choice, &outputs, store.as_ref());
+        print_line!("{}\n{}", report::plan(&experiment), report::device(&choice));
+        return wanted.dry_run(&outputs.store(), &mut choice.backends, 1);
     }
     if args.json.wanted() && request.out.is_none() {
         return run_in_memory(&experiment, choice, args.json);
@@ -225,27 +221,4 @@ fn audit_map(map: &ParameterMap, experiment: &Experiment, store: &mut Store) -> 
     let value = serde_json::to_value(&audit).map_err(Failure::run)?;
     store.set_attribute("audit", value).map_err(Failure::run)?;
     Ok(Some(audit))
-}
-
-/// Prints what would be done. `store` is the one that would be continued, if there is one.
-fn dry_run(
-    experiment: &Experiment,
-    mut choice: Choice,
-    outputs: &outputs::Outputs,
-    store: Option<&Store>,
-) -> Result<(), Failure> {
-    print_line!("{}\n{}", report::plan(experiment), report::device(&choice));
-    let points = experiment.design.len();
-    let mut left = points;
-    if let Some(store) = store {
-        left = stores::left(store)?;
-        print_line!("{left} of {points} points are left to compute");
-    }
-    if left > 0 {
-        let seconds = estimate::seconds(&mut choice.backends, experiment).map_err(Failure::backend)?;
-        let seconds = seconds * left as f64 / points as f64;
-        print_line!("about {}", report::duration(Duration::from_secs_f64(seconds)));
-    }
-    print_line!("would write {}", outputs.store().display());
-    Ok(())
 }

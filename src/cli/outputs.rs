@@ -2,7 +2,6 @@
 //!
 //! Owns the rule that results of another experiment are not overwritten; the formats are the library's.
 
-use std::ffi::OsString;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
@@ -11,9 +10,11 @@ use tribochaos::experiment::{Experiment, Request};
 use tribochaos::map::{self, ParameterMap};
 use tribochaos::measure::Quantity;
 use tribochaos::output::csv;
+use tribochaos::output::whole::own_part;
 use tribochaos::picture::{self, Style, png};
 
-use super::stores;
+use super::json::JsonArgs;
+use super::{Failure, report, stores};
 
 /// Checks before any work that a file can be written at `path`, whose folders need not exist yet. For this, creates a temporary
 /// file in the nearest existing folder, and removes it again.
@@ -26,10 +27,7 @@ pub fn check_writable(path: &Path) -> anyhow::Result<()> {
     while !folder.as_os_str().is_empty() && fs::symlink_metadata(folder).is_err() {
         folder = folder.parent().unwrap_or("".as_ref());
     }
-    let mut hidden = OsString::from(".");
-    hidden.push(path.file_name().unwrap_or_default());
-    hidden.push(format!(".{}.part", std::process::id()));
-    let trial = folder.join(hidden);
+    let trial = own_part(&folder.join(path.file_name().unwrap_or_default()));
     // a new folder `outputs` is the default; the name of another new folder may be mistyped
     if folder != parent && parent != Path::new("outputs") {
         eprintln!("note: the folder {} is not there, and is created", parent.display());
@@ -166,6 +164,33 @@ impl Outputs {
             files.push(table);
         }
         Ok(files)
+    }
+
+    /// Draws some quantities of a map, or the default pictures if there are none, and tells which files were written.
+    pub fn draw_and_tell(
+        &self,
+        map: &ParameterMap,
+        quantities: &[Quantity],
+        style: &Style,
+        json: JsonArgs,
+    ) -> Result<(), Failure> {
+        let files = if quantities.is_empty() {
+            self.draw(map, style)
+        } else {
+            let draw = |&quantity| self.draw_quantity(map, quantity, style);
+            quantities.iter().map(draw).collect()
+        };
+        let files = files.map_err(Failure::Input)?;
+        if json.wanted() {
+            let mut object = report::object(map);
+            object["files"] = files.iter().map(|file| file.display().to_string()).collect();
+            json.print(&object);
+            return Ok(());
+        }
+        for file in files {
+            print_line!("wrote {}", file.display());
+        }
+        Ok(())
     }
 
     pub fn draw_quantity(&self, map: &ParameterMap, quantity: Quantity, style: &Style) -> anyhow::Result<PathBuf> {

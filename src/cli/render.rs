@@ -105,23 +105,5 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     };
     style.limits = args.limits.map(|[low, high]| (low, high));
     style.colours = args.colours.unwrap_or(style.colours);
-    let files = if args.quantity.is_empty() {
-        outputs.draw(&map, &style)
-    } else {
-        args.quantity
-            .iter()
-            .map(|&quantity| outputs.draw_quantity(&map, quantity, &style))
-            .collect()
-    };
-    let files = files.map_err(Failure::Input)?;
-    if args.json.wanted() {
-        let mut object = report::object(&map);
-        object["files"] = files.iter().map(|file| file.display().to_string()).collect();
-        args.json.print(&object);
-        return Ok(());
-    }
-    for file in files {
-        print_line!("wrote {}", file.display());
-    }
-    Ok(())
+    outputs.draw_and_tell(&map, &args.quantity, &style, args.json)
 }

@@ -1,13 +1,13 @@
 //! `scan`: an experiment over any number of axes, or over any points, into a store.
 
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use anyhow::{Context, anyhow};
 use clap::Args;
 use serde_json::json;
 use tribochaos::design::{Axis, Plan, Points, Sample, Side};
-use tribochaos::engine::{self, Backends, Part, Sink, choice, estimate};
+use tribochaos::engine::{self, Backends, Part, Sink, choice};
 use tribochaos::experiment::{Experiment, Request};
 use tribochaos::measure::Quantity;
 use tribochaos::store::{self, Store};
@@ -173,28 +173,6 @@ impl Prepared {
     pub fn create_store(&self) -> Result<usize, Failure> {
         Ok(self.open()?.units())
     }
-
-    /// Says how much is left of the store, and how long that takes.
-    fn dry_run(&mut self) -> Result<(), Failure> {
-        let points = self.experiment.design.len();
-        let wanted = self.wanted();
-        let store = if self.force {
-            None
-        } else {
-            wanted.resumable(&self.path).map_err(Failure::Input)?
-        };
-        let left = store.map_or(Ok(points), |store| stores::left(&store))?;
-        if left < points {
-            print_line!("{left} of {points} points are left to compute");
-        }
-        if left > 0 {
-            let seconds = estimate::seconds(&mut self.backends[0], &self.experiment).map_err(Failure::backend)?;
-            let seconds = Duration::from_secs_f64(seconds * left as f64 / points as f64 / self.backends.len() as f64);
-            print_line!("about {}", report::duration(seconds));
-        }
-        print_line!("would write {}", self.path.display());
-        Ok(())
-    }
 }
 
 impl ScanArgs {
@@ -249,7 +227,9 @@ pub fn run(args: &ScanArgs) -> Result<(), Failure> {
         return Ok(());
     };
     if args.dry_run {
-        return prepared.dry_run();
+        let mut backends = std::mem::take(&mut prepared.backends);
+        let devices = backends.len();
+        return prepared.wanted().dry_run(&prepared.path, &mut backends[0], devices);
     }
     let mut store = prepared.open()?;
     let Prepared {

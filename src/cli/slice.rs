@@ -54,21 +54,5 @@ pub fn run(args: &SliceArgs) -> Result<(), Failure> {
     if !args.force {
         outputs.check_pictures(&map.experiment).map_err(Failure::Input)?;
     }
-    let files = if args.quantity.is_empty() {
-        outputs.draw(&map, &Style::default())
-    } else {
-        let draw = |&quantity| outputs.draw_quantity(&map, quantity, &Style::default());
-        args.quantity.iter().map(draw).collect()
-    };
-    let files = files.map_err(Failure::Input)?;
-    if args.json.wanted() {
-        let mut object = report::object(&map);
-        object["files"] = files.iter().map(|file| file.display().to_string()).collect();
-        args.json.print(&object);
-        return Ok(());
-    }
-    for file in files {
-        print_line!("wrote {}", file.display());
-    }
-    Ok(())
+    outputs.draw_and_tell(&map, &args.quantity, &Style::default(), args.json)
 }

@@ -8,14 +8,14 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use anyhow::{Context, anyhow, bail};
-use tribochaos::engine::{Cause, EngineError, Sink};
+use tribochaos::engine::{Backends, Cause, EngineError, Sink, estimate};
 use tribochaos::experiment::{Experiment, Request};
 use tribochaos::measure::Quantity;
 use tribochaos::output::PROGRAM;
 use tribochaos::store::{self, Lock, Store, StoreError, Use};
 
 use super::report::bytes;
-use super::{Failure, request, with_causes};
+use super::{Failure, report, request, with_causes};
 
 /// How long to wait before a store that another process creates is looked for again.
 const WAIT: Duration = Duration::from_millis(50);
@@ -134,6 +134,31 @@ impl Wanted<'_> {
         Ok(Some(store))
     }
 
+    /// Says how much is left of the store at `path`, and how long that takes on so many devices such as this one.
+    ///
+    /// # Errors
+    /// As [`Wanted::resumable`], or if the device fails.
+    pub fn dry_run(&self, path: &Path, device: &mut Backends, devices: usize) -> Result<(), Failure> {
+        let points = self.experiment.design.len();
+        let store = if self.force {
+            None
+        } else {
+            self.resumable(path).map_err(Failure::Input)?
+        };
+        let mut left = points;
+        if let Some(store) = store {
+            left = points_left(&store)?;
+            print_line!("{left} of {points} points are left to compute");
+        }
+        if left > 0 {
+            let seconds = estimate::seconds(device, self.experiment).map_err(Failure::backend)?;
+            let seconds = seconds * left as f64 / points as f64 / devices as f64;
+            print_line!("about {}", report::duration(Duration::from_secs_f64(seconds)));
+        }
+        print_line!("would write {}", path.display());
+        Ok(())
+    }
+
     /// Whether the disk has room for a new store.
     fn check_room(&self, path: &Path) -> anyhow::Result<()> {
         let size = store::size_bytes(self.experiment, self.quantities, self.unit);
@@ -230,7 +255,7 @@ pub fn unfinished(EngineError { cause, finished, units }: EngineError, store: &P
 }
 
 /// Number of points that are not finished.
-pub fn left(store: &Store) -> Result<usize, Failure> {
+fn points_left(store: &Store) -> Result<usize, Failure> {
     let mut left = 0;
     for unit in 0..store.units() {
         if !store.is_finished(unit).map_err(|error| Failure::Run(anyhow!(error)))? {

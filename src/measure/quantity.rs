@@ -153,6 +153,12 @@ impl Quantity {
         QUANTITIES.iter().map(|info| info.quantity).collect()
     }
 
+    /// The rows of the quantities that results hold if these are asked for, in the order of the table: the status is always among them.
+    pub fn held(quantities: &[Self]) -> impl Iterator<Item = &'static QuantityInfo> {
+        let is_held = |info: &&QuantityInfo| info.quantity == Self::Status || quantities.contains(&info.quantity);
+        QUANTITIES.iter().filter(is_held)
+    }
+
     /// Whether the quantity is told by the contact, and constant where neither heat nor wear changes its pressure.
     fn is_of_contact(self) -> bool {
         matches!(

@@ -33,29 +33,46 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
     write_whole(path, |file| file.write_all(text.as_bytes()))
 }
 
-/// Writes the file under another name in the same folder, then renames it.
+/// Creates the folders that lead to the file, and writes it.
 fn write_aside(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
-    let name = path
-        .file_name()
-        .ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "the path names no file"))?;
+    if path.file_name().is_none() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "the path names no file"));
+    }
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         fs::create_dir_all(folder)?;
     }
-    // The process id keeps two programs that write the same file apart.
-    let mut hidden = std::ffi::OsString::from(".");
-    hidden.push(name);
-    hidden.push(format!(".{}.part", std::process::id()));
-    let part = path.with_file_name(hidden);
-    let written = File::create(&part).and_then(|file| {
+    replace(path, &own_part(path), write)
+}
+
+/// Writes a file as `part`, in the same folder, and renames it when it is on the disk.
+///
+/// # Errors
+/// If it cannot be written; nothing is left then.
+pub fn replace(path: &Path, part: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
+    let written = File::create(part).and_then(|file| {
         let mut file = BufWriter::new(file);
         write(&mut file)?;
         file.flush()?;
         file.get_ref().sync_all()?;
-        fs::rename(&part, path)
+        fs::rename(part, path)
     });
     if written.is_err() {
         // Best effort: the error that is reported is the one that came first.
-        let _ = fs::remove_file(&part);
+        let _ = fs::remove_file(part);
     }
     written
+}
+
+/// A name beside a file or a folder that belongs to it and that lists leave out: `.NAME.end`.
+pub fn hidden(path: &Path, end: &str) -> PathBuf {
+    let mut name = std::ffi::OsString::from(".");
+    name.push(path.file_name().unwrap_or_default());
+    name.push(".");
+    name.push(end);
+    path.with_file_name(name)
+}
+
+/// The name under which a process writes what is to take the place of a file or a folder. Its id keeps two that do the same apart.
+pub fn own_part(path: &Path) -> PathBuf {
+    hidden(path, &format!("{}.part", std::process::id()))
 }

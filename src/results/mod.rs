@@ -33,11 +33,10 @@ impl Results {
     /// Results of some quantities and of the status, in which no point is computed yet.
     pub fn of(experiment: Experiment, quantities: &[Quantity]) -> Self {
         let points = experiment.design.len();
-        let is_held = |quantity| quantity == Quantity::Status || quantities.contains(&quantity);
-        let columns = QUANTITIES
-            .iter()
-            .map(|info| is_held(info.quantity).then(|| Column::new(info.values, points)))
-            .collect();
+        let mut columns = vec![None; Quantity::COUNT];
+        for info in Quantity::held(quantities) {
+            columns[info.quantity as usize] = Some(Column::new(info.values, points));
+        }
         Self { experiment, columns }
     }
 

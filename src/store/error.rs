@@ -1,6 +1,7 @@
 //! What can be wrong with a store.
 
-use std::path::PathBuf;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
 
 use crate::output::PROGRAM;
 
@@ -53,4 +54,22 @@ pub enum StoreError {
     Write { path: PathBuf, reason: String },
     #[error("{} cannot be read: {reason}", path.display())]
     Read { path: PathBuf, reason: String },
+}
+
+impl StoreError {
+    /// A store at `path` that cannot be written.
+    pub(super) fn write(path: &Path, reason: &dyn Display) -> Self {
+        Self::Write {
+            path: path.to_owned(),
+            reason: reason.to_string(),
+        }
+    }
+
+    /// A store or a file at `path` that cannot be read.
+    pub(super) fn read(path: &Path, reason: &dyn Display) -> Self {
+        Self::Read {
+            path: path.to_owned(),
+            reason: reason.to_string(),
+        }
+    }
 }

@@ -12,6 +12,7 @@ use super::error::StoreError;
 use super::{mark, sync};
 use crate::experiment::Experiment;
 use crate::output::PROGRAM;
+use crate::output::whole::own_part;
 
 /// Marks a group as results of this program, and as a map of its first version.
 const FORMAT: &str = "tribochaos results";
@@ -91,10 +92,7 @@ impl Group {
         let own = checksum(&self.to_json());
         self.attributes.insert(OWN_CHECKSUM.into(), own.into());
         let file = store.join(METADATA);
-        sync::write_whole(&file, &sync::own_part(&file), &self.to_json()).map_err(|error| StoreError::Write {
-            path: store.to_owned(),
-            reason: error.to_string(),
-        })
+        sync::write_whole(&file, &own_part(&file), &self.to_json()).map_err(|error| StoreError::write(store, &error))
     }
 
     fn to_json(&self) -> Vec<u8> {

@@ -3,18 +3,20 @@
 //! Owns the files that stand for locks. The operating system gives a lock back when its process ends, however that ends.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{self, Read, Write};
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use super::error::StoreError;
 use super::mark;
+#[cfg(unix)]
+use super::root::identity;
+use crate::output::whole::hidden;
 
 /// A lock that is held.
 #[derive(Debug)]
 pub struct Lock {
     path: PathBuf,
-    /// None where no locks are wanted.
-    file: Option<File>,
+    file: File,
 }
 
 /// How a store is used while a lock is held.
@@ -33,12 +35,9 @@ impl Lock {
     /// [`StoreError::Busy`] if another process uses the store in a way that does not go with this one, [`StoreError::NoLocks`] if the
     /// file system has no locks, [`StoreError::Write`] if no file can be made beside the store.
     pub fn of_store(store: &Path, used: Use) -> Result<Self, StoreError> {
-        let mut name = std::ffi::OsString::from(".");
-        name.push(store.file_name().unwrap_or_default());
-        name.push(".lock");
-        let path = store.with_file_name(name);
+        let path = hidden(store, "lock");
         if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-            fs::create_dir_all(folder).map_err(|error| cannot_write(store, &error))?;
+            fs::create_dir_all(folder).map_err(|error| StoreError::write(store, &error))?;
         }
         let busy = |path: &Path| StoreError::Busy {
             path: store.to_owned(),
@@ -64,19 +63,11 @@ impl Lock {
         }
     }
 
-    /// What holds nothing, for a process that is told to be the only one.
-    pub fn none() -> Self {
-        Self {
-            path: PathBuf::new(),
-            file: None,
-        }
-    }
-
     fn take(store: &Path, path: &Path, used: Use) -> Result<Option<Self>, StoreError> {
         loop {
             let mut options = OpenOptions::new();
             options.read(true).write(true).create(true).truncate(false);
-            let mut file = options.open(path).map_err(|error| cannot_write(store, &error))?;
+            let mut file = options.open(path).map_err(|error| StoreError::write(store, &error))?;
             let locked = match used {
                 Use::Together => file.try_lock_shared(),
                 Use::Alone => file.try_lock(),
@@ -94,10 +85,10 @@ impl Lock {
                 let id = std::process::id().to_string();
                 file.set_len(0)
                     .and_then(|()| file.write_all(id.as_bytes()))
-                    .map_err(|error| cannot_write(store, &error))?;
+                    .map_err(|error| StoreError::write(store, &error))?;
                 return Ok(Some(Self {
                     path: path.to_owned(),
-                    file: Some(file),
+                    file,
                 }));
             }
         }
@@ -108,10 +99,7 @@ impl Drop for Lock {
     fn drop(&mut self) {
         // best effort: a file that is left behind is locked by nobody. Only the last one that uses a store may remove it, while it
         // has it alone.
-        if let Some(file) = &self.file
-            && file.try_lock().is_ok()
-            && is_at(file, &self.path)
-        {
+        if self.file.try_lock().is_ok() && is_at(&self.file, &self.path) {
             let _ = fs::remove_file(&self.path);
         }
     }
@@ -119,13 +107,6 @@ impl Drop for Lock {
 
 fn claim(store: &Path, unit: usize) -> PathBuf {
     mark::folder(store).join(format!("{unit}.claim"))
-}
-
-fn cannot_write(store: &Path, error: &io::Error) -> StoreError {
-    StoreError::Write {
-        path: store.to_owned(),
-        reason: error.to_string(),
-    }
 }
 
 /// The id of a process that has a lock, if it has written it already.
@@ -138,7 +119,7 @@ fn process(lock: &Path) -> Option<u32> {
 /// Whether an open file is the one at a path.
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
-    super::root::identity(file.metadata()).is_some_and(|open| super::root::identity(fs::metadata(path)) == Some(open))
+    identity(file.metadata()).is_some_and(|open| identity(fs::metadata(path)) == Some(open))
 }
 
 /// Files have no identity there that the standard library tells.

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::checksum::checksum;
 use super::sync;
 use crate::measure::Quantity;
+use crate::output::whole::hidden;
 use crate::results::Tally;
 
 /// What is known of a finished unit.
@@ -83,7 +84,8 @@ impl Mark {
         let json = serde_json::to_string(self).expect("a mark has a JSON form");
         let text = format!("{json}\n{}\n", checksum(json.as_bytes()));
         let path = path(store, unit);
-        sync::write_whole(&path, &sync::part(&path), text.as_bytes())
+        // always the same name, so that what a crash leaves there is replaced: a unit has one writer
+        sync::write_whole(&path, &hidden(&path, "part"), text.as_bytes())
     }
 
     /// Takes the mark of a unit away, if there is one: the unit is no longer finished.

@@ -16,9 +16,8 @@ const MARK: u64 = 1024;
 
 /// Bytes that the values of some quantities of one point take.
 pub fn point_bytes(experiment: &Experiment, quantities: &[Quantity]) -> u64 {
-    let others = quantities.iter().filter(|&&quantity| quantity != Quantity::Status);
-    let bytes: u64 = others.map(|quantity| quantity.info().values.bytes()).sum();
-    bytes + Quantity::Status.info().values.bytes() + 8 * scales::of(experiment).len() as u64
+    let bytes: u64 = Quantity::held(quantities).map(|info| info.values.bytes()).sum();
+    bytes + 8 * scales::of(experiment).len() as u64
 }
 
 /// Bytes that the store of some quantities of an experiment takes once it is complete, in units of about `unit` points.

@@ -3,11 +3,12 @@
 //! Owns the order in which a store comes to be; its values are [`super::values`]'.
 
 use std::collections::BTreeSet;
+use std::fmt::Display;
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use serde_json::Value;
+use serde_json::{Map, Value};
 use zarrs::array::Array;
 use zarrs::filesystem::FilesystemStore;
 
@@ -23,7 +24,8 @@ use super::scales;
 use super::sync;
 use super::units::Units;
 use crate::experiment::{Experiment, Request};
-use crate::measure::{QUANTITIES, Quantity, QuantityInfo};
+use crate::measure::{QUANTITIES, Quantity};
+use crate::output::whole::own_part;
 
 /// Results on disk, open for reading and writing.
 pub struct Store {
@@ -35,10 +37,8 @@ pub struct Store {
     pub(super) group: Group,
     /// The arrays over the design: those of the quantities first, in the order of [`QUANTITIES`], then those of the scales.
     pub(super) arrays: Vec<StoredArray>,
-    /// Whether units are claimed before they are written.
-    pub(super) claims: bool,
-    /// Held as long as the store is written.
-    lock: Lock,
+    /// Held while the store is written together with other processes, which then claim units.
+    pub(super) lock: Option<Lock>,
 }
 
 /// An array of a store.
@@ -64,12 +64,6 @@ impl Content {
     }
 }
 
-/// The quantities that a store holds if these are asked for, in the order of [`QUANTITIES`]: the status is always among them.
-fn held(quantities: &[Quantity]) -> impl Iterator<Item = &'static QuantityInfo> {
-    let is_held = |info: &&QuantityInfo| info.quantity == Quantity::Status || quantities.contains(&info.quantity);
-    QUANTITIES.iter().filter(is_held)
-}
-
 impl Store {
     /// Creates the store of some quantities of an experiment, in units of about `unit` points. Nothing is computed in it. Folders that
     /// lead to `path` are created.
@@ -87,13 +81,13 @@ impl Store {
             return Err(StoreError::Exists { path: path.to_owned() });
         }
         // whole or not at all
-        let aside = sync::own_part(path);
+        let aside = own_part(path);
         let moved = build(&aside, experiment, quantities, &units).and_then(|()| {
             fs::rename(&aside, path).map_err(|error| {
                 if path.exists() {
                     StoreError::Exists { path: path.to_owned() }
                 } else {
-                    cannot_write(path, &error)
+                    StoreError::write(path, &error)
                 }
             })
         });
@@ -167,14 +161,13 @@ impl Store {
             .any(|array| array.content == Content::Quantity(Quantity::Status));
         let units = units.flatten().filter(|_| has_status);
         Ok(Self {
-            root: Root::open(path).map_err(|error| cannot_read(path, &error))?,
+            root: Root::open(path).map_err(|error| StoreError::read(path, &error))?,
             units: units.ok_or_else(|| damaged("the array `status` is missing".into()))?,
             experiment,
             experiment_sum,
             group,
             arrays,
-            claims: true,
-            lock: Lock::none(),
+            lock: None,
         })
     }
 
@@ -185,7 +178,7 @@ impl Store {
     /// [`StoreError::Lost`] if no unit tells that the store belongs to this experiment, [`StoreError::Write`].
     pub fn mend(path: &Path, experiment: &Experiment, quantities: &[Quantity]) -> Result<Self, StoreError> {
         let known = Mark::any(path).filter(|mark| {
-            let names = held(quantities).map(|info| info.name);
+            let names = Quantity::held(quantities).map(|info| info.name);
             let scales = scales::of(experiment).iter().map(|scale| scale.name());
             mark.experiment == checksum(experiment.to_toml().as_bytes())
                 && names.chain(scales).collect::<BTreeSet<_>>() == mark.names()
@@ -196,7 +189,7 @@ impl Store {
             path: path.to_owned(),
             what: "its metadata, and no unit tells that it holds this experiment".to_owned(),
         })?;
-        let aside = sync::own_part(path);
+        let aside = own_part(path);
         let mended = build(&aside, experiment, quantities, &units).and_then(|()| {
             let group = Group::read(&aside)?;
             let files = group.files().map(|(file, _)| file).chain([METADATA]);
@@ -205,8 +198,8 @@ impl Store {
                 place
                     .parent()
                     .map_or(Ok(()), fs::create_dir_all)
-                    .map_err(|error| cannot_write(path, &error))?;
-                fs::rename(aside.join(file), place).map_err(|error| cannot_write(path, &error))?;
+                    .map_err(|error| StoreError::write(path, &error))?;
+                fs::rename(aside.join(file), place).map_err(|error| StoreError::write(path, &error))?;
             }
             Ok(())
         });
@@ -226,8 +219,7 @@ impl Store {
                 path: self.path().to_owned(),
             });
         }
-        self.claims = lock.is_some();
-        self.lock = lock.unwrap_or_else(Lock::none);
+        self.lock = lock;
         Ok(self)
     }
 
@@ -271,79 +263,49 @@ impl Store {
 
 /// Builds a store in which nothing is computed.
 fn build(path: &Path, experiment: &Experiment, quantities: &[Quantity], units: &Units) -> Result<(), StoreError> {
-    let failed = |reason: String| StoreError::Write {
-        path: path.to_owned(),
-        reason,
-    };
-    fs::create_dir_all(mark::folder(path)).map_err(|error| cannot_write(path, &error))?;
-    let storage = Arc::new(FilesystemStore::new(path).map_err(|error| failed(error.to_string()))?);
+    let failed = |error: &dyn Display| StoreError::write(path, error);
+    fs::create_dir_all(mark::folder(path)).map_err(|error| failed(&error))?;
+    let storage = Arc::new(FilesystemStore::new(path).map_err(|error| failed(&error))?);
     let design = &experiment.design;
     let coordinates = coordinates(design);
-    let mut files = Vec::new();
-    let (mut names, mut arrays) = (Vec::new(), Vec::new());
-    for (coordinate, array, values) in coordinates {
-        let name = coordinate.name();
-        let array = array
-            .build(storage.clone(), &node(name))
-            .map_err(|error| failed(error.to_string()))?;
-        let stored = array
-            .store_metadata_opt(&plain_metadata())
-            .map_err(|error| failed(error.to_string()))
-            .and_then(|()| {
-                array
-                    .store_chunk(&[0], values)
-                    .map_err(|error| failed(error.to_string()))
-            });
-        stored?;
-        names.push(name);
-        arrays.push(name);
-        files.push(format!("{name}/{METADATA}"));
-        files.push(array.chunk_key(&[0]).as_str().to_owned());
-    }
-    let quantities = held(quantities).map(|info| (info.name, variable(info, design, units)));
+    let names: Vec<&str> = coordinates.iter().map(|(coordinate, ..)| coordinate.name()).collect();
+    let coordinates = coordinates
+        .into_iter()
+        .map(|(coordinate, array, values)| (coordinate.name(), array, Some(values)));
+    let quantities = Quantity::held(quantities).map(|info| (info.name, variable(info, design, units), None));
     let scales = scales::of(experiment)
         .iter()
-        .map(|&scale| (scale.name(), layout::scale(scale, design, units)));
-    for (name, array) in quantities.chain(scales) {
+        .map(|&scale| (scale.name(), layout::scale(scale, design, units), None));
+    let (mut metadata, mut sums) = (Map::new(), Vec::new());
+    for (name, array, values) in coordinates.chain(quantities).chain(scales) {
         let array = array
             .build(storage.clone(), &node(name))
-            .map_err(|error| failed(error.to_string()))?;
-        let stored = array.store_metadata_opt(&plain_metadata());
-        stored.map_err(|error| failed(error.to_string()))?;
-        arrays.push(name);
-        files.push(format!("{name}/{METADATA}"));
+            .map_err(|error| failed(&error))?;
+        array
+            .store_metadata_opt(&plain_metadata())
+            .map_err(|error| failed(&error))?;
+        let file = format!("{name}/{METADATA}");
+        let text = synced(path, &file)?;
+        metadata.insert(
+            name.to_owned(),
+            serde_json::from_slice(&text).map_err(|error| failed(&error))?,
+        );
+        sums.push((file, checksum(&text)));
+        if let Some(values) = values {
+            array.store_chunk(&[0], values).map_err(|error| failed(&error))?;
+            let file = array.chunk_key(&[0]).as_str().to_owned();
+            let sum = checksum(&synced(path, &file)?);
+            sums.push((file, sum));
+        }
     }
-    let sums: Result<Vec<(String, String)>, _> = files
-        .into_iter()
-        .map(|file| {
-            let bytes = fs::read(path.join(&file))?;
-            // not through zarrs, which leaves it to the operating system when a file is on the disk
-            sync::write(&path.join(&file), &bytes)?;
-            Ok((file, checksum(&bytes)))
-        })
-        .collect();
-    let sums = sums.map_err(|error: std::io::Error| cannot_write(path, &error))?;
-    let metadata = arrays.into_iter().map(|name| {
-        let text = fs::read(path.join(name).join(METADATA)).map_err(|error| cannot_write(path, &error))?;
-        let metadata = serde_json::from_slice(&text).map_err(|error| failed(error.to_string()))?;
-        Ok((name.to_owned(), metadata))
-    });
-    let metadata = metadata.collect::<Result<_, StoreError>>()?;
     Group::new(experiment, &names, metadata, sums).write(path)
 }
 
-pub(super) fn cannot_write(path: &Path, error: &std::io::Error) -> StoreError {
-    StoreError::Write {
-        path: path.to_owned(),
-        reason: error.to_string(),
-    }
-}
-
-pub(super) fn cannot_read(path: &Path, error: &std::io::Error) -> StoreError {
-    StoreError::Read {
-        path: path.to_owned(),
-        reason: error.to_string(),
-    }
+/// The bytes of a file of a store, which are on the disk then: zarrs leaves it to the operating system when a file is.
+fn synced(store: &Path, file: &str) -> Result<Vec<u8>, StoreError> {
+    let path = store.join(file);
+    let bytes = fs::read(&path).and_then(|bytes| sync::write(&path, &bytes).map(|()| bytes));
+    bytes.map_err(|error| StoreError::write(store, &error))
 }
 
 /// Whether the folder is a store of this program, or was one before it was damaged: `open` may fail on it.

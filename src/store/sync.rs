@@ -4,7 +4,9 @@
 
 use std::fs::{self, File};
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
+
+use crate::output::whole::replace;
 
 /// Writes a file. After a crash in the middle a part of it may be there.
 ///
@@ -16,36 +18,13 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Writes a file whole or not at all, whatever was there before: first as `part`, in the same folder.
+/// Writes a file whole or not at all, whatever was there before: first as `part`, in the same folder, which must be there.
 ///
 /// # Errors
 /// If it cannot be written.
 pub fn write_whole(path: &Path, part: &Path, bytes: &[u8]) -> io::Result<()> {
-    let written = write(part, bytes).and_then(|()| fs::rename(part, path));
-    if written.is_err() {
-        // best effort: the first error is the one that is reported
-        let _ = fs::remove_file(part);
-    }
-    written?;
+    replace(path, part, |file| file.write_all(bytes))?;
     folder(path.parent().unwrap_or(".".as_ref()))
-}
-
-/// The name beside a file or a folder under which what is to take its place is written, if no other process writes the same.
-pub fn part(path: &Path) -> PathBuf {
-    hidden(path, "part")
-}
-
-/// The same for one of several processes.
-pub fn own_part(path: &Path) -> PathBuf {
-    hidden(path, &format!("{}.part", std::process::id()))
-}
-
-fn hidden(path: &Path, end: &str) -> PathBuf {
-    let mut name = std::ffi::OsString::from(".");
-    name.push(path.file_name().unwrap_or_default());
-    name.push(".");
-    name.push(end);
-    path.with_file_name(name)
 }
 
 /// Removes what processes that were killed have left beside a file or a folder. No other process may write there.

@@ -13,7 +13,7 @@ use super::error::StoreError;
 use super::lock::Lock;
 use super::mark::{Found, Mark};
 use super::scales;
-use super::store::{Content, Store, StoredArray, cannot_read, cannot_write};
+use super::store::{Content, Store, StoredArray};
 use crate::engine::{Claim, Condition, Origin, Sink, SinkError};
 use crate::measure::{Measurement, Quantity};
 use crate::results::{Column, Results, Tally};
@@ -36,7 +36,7 @@ impl Store {
             Ok(Found::Nothing) => Ok(None),
             Ok(Found::Mark(mark)) => Ok(Some(mark)),
             Ok(Found::Damaged) => Err(self.damaged(&format!("the mark of unit {unit}"))),
-            Err(error) => Err(cannot_read(self.path(), &error)),
+            Err(error) => Err(StoreError::read(self.path(), &error)),
         }
     }
 
@@ -53,7 +53,7 @@ impl Store {
         self.check_root()?;
         let failed = |error: &io::Error| {
             if self.root.is_there() {
-                cannot_write(self.path(), error)
+                StoreError::write(self.path(), error)
             } else {
                 self.taken_away()
             }
@@ -72,10 +72,8 @@ impl Store {
                 }
                 Content::Scale(scale) => scales::values(&self.experiment, scale, points.clone()),
             };
-            let bytes = chunk::encode(array, &place, &values).map_err(|error| StoreError::Write {
-                path: self.path().to_owned(),
-                reason: error.to_string(),
-            })?;
+            let bytes =
+                chunk::encode(array, &place, &values).map_err(|error| StoreError::write(self.path(), &error))?;
             let sum = chunk::write(self.path(), array, &place, &bytes).map_err(|error| failed(&error))?;
             chunks.insert(content.name().to_owned(), sum);
         }
@@ -121,7 +119,7 @@ impl Store {
                 Err(error) if error.kind() == io::ErrorKind::NotFound => {
                     return Err(self.damaged_chunk(*content, &place, "it is missing"));
                 }
-                Err(error) => return Err(cannot_read(&file, &error)),
+                Err(error) => return Err(StoreError::read(&file, &error)),
             };
             if mark.chunks.get(content.name()) != Some(&checksum(&bytes)) {
                 return Err(self.damaged_chunk(*content, &place, "its checksum is not that of what was written"));
@@ -154,7 +152,7 @@ impl Store {
                 }
                 // a chunk of which nothing applies was not written
                 Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-                Err(error) => return Err(cannot_read(self.path(), &error)),
+                Err(error) => return Err(StoreError::read(self.path(), &error)),
             }
             columns.push((quantity, column));
         }
@@ -287,7 +285,7 @@ impl Sink for Store {
 
     fn condition(&self, unit: usize) -> Result<Condition, SinkError> {
         let condition = self.check_unit(unit)?;
-        if self.claims && matches!(condition, Condition::Whole(_)) {
+        if self.lock.is_some() && matches!(condition, Condition::Whole(_)) {
             Lock::clear_unit(self.path(), unit);
         }
         Ok(condition)
@@ -299,7 +297,7 @@ impl Sink for Store {
     }
 
     fn claim(&self, unit: usize) -> Result<Option<Claim>, SinkError> {
-        if !self.claims {
+        if self.lock.is_none() {
             return Ok(Some(Claim::new(())));
         }
         self.check_root()?;
