@@ -4,18 +4,21 @@
 
 mod gpu_context;
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
+use std::sync::Mutex;
 use std::time::Instant;
 
 use tribochaos::backend::BackendKind;
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::{GpuBackend, GpuContext};
 use tribochaos::design::Axis;
-use tribochaos::engine::{self, Backends, Cause, Event, Sink, Table, audit, estimate};
+use tribochaos::engine::{
+    self, Backends, Cause, Claim, Condition, Event, Origin, Sink, SinkError, Table, audit, estimate,
+};
 use tribochaos::experiment::{Experiment, Precision, Request, Sampling, Settings};
 use tribochaos::map::ParameterMap;
 use tribochaos::measure::{Class, Measurement, Quantity};
-use tribochaos::results::Results;
+use tribochaos::results::{Results, Tally};
 
 fn experiment(x: &str, y: &str, settings: Settings) -> Experiment {
     let request = Request {
@@ -308,4 +311,58 @@ fn a_run_on_two_devices_that_is_broken_off_keeps_what_is_finished() {
     assert_eq!((error.finished, error.units), (4, 30));
     let results = table.into_results();
     assert_eq!((0..960).filter(|&index| results.is_computed(index)).count(), 4 * 32);
+}
+
+/// A sink in which another process finishes each unit between the first look at it and the claim.
+struct Overtaken {
+    table: Table,
+    finished: Mutex<Vec<bool>>,
+}
+
+impl Sink for Overtaken {
+    fn units(&self) -> usize {
+        self.table.units()
+    }
+
+    fn points(&self, unit: usize) -> Range<usize> {
+        self.table.points(unit)
+    }
+
+    fn condition(&self, unit: usize) -> Result<Condition, SinkError> {
+        let is_finished = self.finished.lock().unwrap()[unit];
+        Ok(if is_finished {
+            Condition::Whole(Tally::default())
+        } else {
+            Condition::Missing
+        })
+    }
+
+    fn is_finished(&self, unit: usize) -> Result<bool, SinkError> {
+        Ok(self.finished.lock().unwrap()[unit])
+    }
+
+    fn claim(&self, unit: usize) -> Result<Option<Claim>, SinkError> {
+        self.finished.lock().unwrap()[unit] = true;
+        Ok(Some(Claim::new(())))
+    }
+
+    fn write(&mut self, unit: usize, _: &[Measurement], _: &Origin) -> Result<(), SinkError> {
+        Err(format!("unit {unit} was there").into())
+    }
+}
+
+#[test]
+fn what_another_process_finishes_before_the_claim_is_not_computed_again() {
+    let experiment = experiment("zeta_k=3:5:8", "h1=0.3:1.5:8", Settings::default());
+    let table = Table::new(experiment.clone(), 16);
+    let mut sink = Overtaken {
+        finished: Mutex::new(vec![false; table.units()]),
+        table,
+    };
+    let (mut found, mut backends) = (0, [cpu(Precision::F64)]);
+    let work = engine::run_on(&mut backends, &experiment, &mut sink, &[0, 1, 2, 3], &mut |event| {
+        found += usize::from(matches!(event, Event::Found { .. }));
+        ControlFlow::Continue(())
+    });
+    assert_eq!((work.unwrap().points, found), (0, 4));
 }
