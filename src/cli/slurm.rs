@@ -14,8 +14,8 @@ use tribochaos::output::whole::write_text;
 use super::Failure;
 use super::scan::{Prepared, ScanArgs};
 
-/// Creates the store and writes beside it the experiment, NAME.toml, and a script, NAME.slurm, which submits itself again at the time
-/// limit. Each task of the array computes a fixed part of the units.
+/// Creates the store, and writes the experiment, NAME.toml, and a script, NAME.slurm, beside it. A task that reaches its time limit is
+/// put into the queue again. Each task of the array computes a fixed part of the units.
 #[derive(Args)]
 pub struct SlurmArgs {
     #[command(flatten)]

@@ -236,7 +236,7 @@ pub fn check_replaceable(path: &Path) -> anyhow::Result<()> {
     );
 }
 
-/// The failure for an unfinished store: the reason, the tiles that it has, and how to continue.
+/// The failure for an unfinished store: the reason, the units that it has, and how to continue.
 pub fn unfinished(EngineError { cause, finished, units }: EngineError, store: &Path) -> Failure {
     let kept = |reason: &str| {
         format!(

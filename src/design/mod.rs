@@ -18,6 +18,7 @@ pub use coordinate::Coordinate;
 pub use error::{AxisError, DesignError};
 pub use fixed::Fixed;
 pub use points::{Points, PointsError};
+pub(crate) use sample::uniform;
 pub use sample::{Method, Plan, Sample, SampleError, Side};
 
 use crate::machine::{self, Machine};

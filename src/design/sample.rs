@@ -1,6 +1,6 @@
 //! Seeded samples of a box: a Latin hypercube, and a scrambled Sobol sequence.
 //!
-//! Owns the methods and their form in commands and files; what the points are used for, others know.
+//! Owns the methods and their form in commands and files; does not know what the points are used for.
 
 use std::str::FromStr;
 
@@ -184,7 +184,7 @@ impl Sample {
 }
 
 /// A number from 0 to below 1.
-fn uniform(generator: &mut ChaCha8Rng) -> f64 {
+pub(crate) fn uniform(generator: &mut ChaCha8Rng) -> f64 {
     (generator.next_u64() >> 11) as f64 / (1u64 << 53) as f64
 }
 
@@ -222,7 +222,7 @@ fn sobol(points: usize, sides: usize, seed: u32) -> Vec<f64> {
     sequence.take(points).flat_map(scrambled).collect()
 }
 
-/// Owen's scrambling by a hash: each binary digit is turned over or not, as a hash of the seed and of all digits before it decides. The
+/// Owen's scrambling by a hash: each binary digit is flipped or not. This depends on a hash of the seed and of all digits before it. The
 /// hash is that of Laine and Karras (2011) with the constants of Vegdahl (2021); it works on the digits in reverse.
 fn scramble(digits: u32, seed: u32) -> u32 {
     let mut x = digits.reverse_bits();
@@ -287,7 +287,8 @@ mod tests {
         }
     }
 
-    /// Of 2^k points each interval of length 2^-k has one, in every dimension; of the plane's cells of that area too, for the first two.
+    /// Of 2^k points, each interval of length 2^-k has one, in every dimension. In the plane of the first two dimensions, so has each
+    /// cell of the area 2^-k.
     #[test]
     fn scrambled_points_lie_as_evenly_as_those_of_the_sequence() {
         let (points, sides) = (256, 5);

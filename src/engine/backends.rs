@@ -44,7 +44,7 @@ impl Backends {
     }
 
     /// Points in a unit: those of a batch, within two limits. A unit is at most an eighth of a large experiment, since an
-    /// interrupted run loses its unfinished unit. It is not so small that a store consists of very many small tiles.
+    /// interrupted run loses its unfinished unit. It is not so small that a store consists of very many small units.
     pub fn points_per_unit(&self, experiment: &Experiment) -> usize {
         let eighth = experiment.design.len().div_ceil(8).max(MIN_SHARE);
         self.points_per_batch(&experiment.settings).min(eighth).max(MIN_UNIT)

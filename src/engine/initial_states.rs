@@ -3,9 +3,10 @@
 //! Owns which states are tried and how their measurements become that of the point; integrates nothing.
 
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use rand_chacha::rand_core::SeedableRng;
 
 use crate::backend::Instance;
+use crate::design::uniform;
 use crate::experiment::{Sampling, Settings};
 use crate::measure::{Class, Measurement, Status};
 use crate::parameters::ParameterSet;
@@ -13,12 +14,9 @@ use crate::parameters::ParameterSet;
 /// The initial states besides (x0, y0): uniform in the box, the same for every point, reproducible from the seed.
 pub fn offsets(sampling: &Sampling) -> Vec<[f64; 2]> {
     let mut generator = ChaCha8Rng::seed_from_u64(sampling.seed.into());
-    let mut uniform = |[low, high]: [f64; 2]| {
-        let unit = (generator.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
-        low + (high - low) * unit
-    };
+    let mut within = |[low, high]: [f64; 2]| low + (high - low) * uniform(&mut generator);
     (1..sampling.initial_states)
-        .map(|_| [uniform(sampling.initial_box.x), uniform(sampling.initial_box.y)])
+        .map(|_| [within(sampling.initial_box.x), within(sampling.initial_box.y)])
         .collect()
 }
 

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-/// The share `number` of `of` equal ones. Units are dealt out one by one, so that every share has as much of the slow places.
+/// The share `number` of `of` equal ones. Units are dealt out one by one, so that slow regions of the design are spread over all shares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
     number: usize,

@@ -1,7 +1,7 @@
 //! The checksums by which changes of files are noticed.
 
-/// The checksum of a file's bytes, as other files hold it: CRC-32, not CRC-32C, of which every chunk would have the same, since chunks
-/// end with their own CRC-32C.
+/// The checksum of a file's bytes, as other files hold it. It is CRC-32. A chunk ends with its own CRC-32C, and the CRC-32C of such
+/// bytes is the same for all chunks of one length.
 pub fn checksum(bytes: &[u8]) -> String {
     format!("{:08x}", crc32fast::hash(bytes))
 }

@@ -89,8 +89,8 @@ where
     Ok(values)
 }
 
-/// Writes the bytes of a chunk, and returns their checksum. The folder of the array must be there: what has been taken away is not made
-/// anew.
+/// Writes the bytes of a chunk, and returns their checksum. The folder of the array must be there: a store that
+/// was removed is not created again.
 ///
 /// # Errors
 /// If they cannot be written.

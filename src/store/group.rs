@@ -22,7 +22,7 @@ pub const FORMAT_VERSION: u64 = 2;
 /// The metadata file of a group or an array.
 pub const METADATA: &str = "zarr.json";
 
-/// The attribute with the checksum of the file that it stands in, which is taken with zeros in its place.
+/// The attribute that holds the checksum of this very file. To take the checksum, the attribute is set to zeros.
 const OWN_CHECKSUM: &str = "crc32";
 const NO_CHECKSUM: &str = "00000000";
 

@@ -9,7 +9,7 @@ use zarrs::array::codec::Crc32cCodec;
 use zarrs::array::{ArrayBuilder, ArrayMetadataOptions, DataType, data_type};
 
 use super::units::Units;
-use crate::design::{Coordinate, Design, Varied};
+use crate::design::{Axis, Coordinate, Design, Varied};
 use crate::machine::Scale;
 use crate::measure::{QUANTITIES, QuantityInfo, Values};
 use crate::results::NO_CODE;
@@ -39,7 +39,7 @@ pub fn plain_metadata() -> ArrayMetadataOptions {
 /// Number of values along each dimension of a design, the fastest first: of each axis, or of a list of points.
 pub fn sides(design: &Design) -> Vec<usize> {
     match &design.varied {
-        Varied::Axes(axes) => axes.iter().map(crate::design::Axis::count).collect(),
+        Varied::Axes(axes) => axes.iter().map(Axis::count).collect(),
         Varied::Points(points) => vec![points.len()],
     }
 }

@@ -97,8 +97,8 @@ impl Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // best effort: a file that is left behind is locked by nobody. Only the last one that uses a store may remove it, while it
-        // has it alone.
+        // best effort: a file that is left behind is locked by nobody. Only the last user of a store may remove the file, and holds
+        // the lock alone while it does so.
         if self.file.try_lock().is_ok() && is_at(&self.file, &self.path) {
             let _ = fs::remove_file(&self.path);
         }

@@ -84,7 +84,7 @@ impl Mark {
         let json = serde_json::to_string(self).expect("a mark has a JSON form");
         let text = format!("{json}\n{}\n", checksum(json.as_bytes()));
         let path = path(store, unit);
-        // always the same name, so that what a crash leaves there is replaced: a unit has one writer
+        // always under the same name: the next writer of the unit replaces what a crash has left
         sync::write_whole(&path, &hidden(&path, "part"), text.as_bytes())
     }
 

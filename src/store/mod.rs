@@ -3,9 +3,10 @@
 //! Decides neither what is computed nor in which order. Each file uses only those before it in this list:
 //!
 //! - `units`: the ranges of points that are written at once;
-//! - `checksum`: what notices changes; `sync`: files that are on the disk when a function returns; `root`: the store's folder while it is used;
+//! - `error`: what can be wrong with a store; `checksum`: what notices changes;
+//! - `sync`: files that are on the disk when a function returns; `root`: the store's folder while it is used;
 //! - `mark`: what tells that a unit is finished; `group`: what the store holds, and checksums of its small files;
-//! - `error`: what can be wrong with a store; `lock`: what keeps processes apart;
+//! - `lock`: what keeps processes apart;
 //! - `layout`: what other readers see of an array; `scales`: the arrays that lead to SI units; `chunk`: an array's values as files;
 //! - `store`: the store as a whole, created, opened and mended;
 //! - `values`: its values, written, checked and read; `size`: its size on the disk; `slice`: maps out of it.

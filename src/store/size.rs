@@ -8,6 +8,7 @@ use std::path::Path;
 use super::layout::sides;
 use super::scales;
 use super::units::Units;
+use crate::design::{Axis, Varied};
 use crate::experiment::Experiment;
 use crate::measure::Quantity;
 
@@ -22,9 +23,13 @@ pub fn point_bytes(experiment: &Experiment, quantities: &[Quantity]) -> u64 {
 
 /// Bytes that the store of some quantities of an experiment takes once it is complete, in units of about `unit` points.
 pub fn size_bytes(experiment: &Experiment, quantities: &[Quantity], unit: usize) -> u64 {
-    let sides = sides(&experiment.design);
-    let units = Units::new(&sides, unit);
-    let coordinates: u64 = sides.iter().map(|&side| 8 * side as u64).sum();
+    let design = &experiment.design;
+    let units = Units::new(&sides(design), unit);
+    let values: usize = match &design.varied {
+        Varied::Axes(axes) => axes.iter().map(Axis::count).sum(),
+        Varied::Points(points) => points.len() * points.coordinates().len(),
+    };
+    let coordinates = 8 * values as u64;
     let unit_bytes = units.block_points() as u64 * point_bytes(experiment, quantities) + MARK;
     units.count() as u64 * unit_bytes + coordinates
 }

@@ -208,8 +208,8 @@ impl Store {
         Self::open(path)
     }
 
-    /// The store, to be written while a lock of it is held; without one if no other process uses the store, for file systems that have
-    /// no locks.
+    /// The store, ready to be written. With a lock, processes share it, and each unit is claimed before it is written. Without a lock, no
+    /// other process may use the store: this is for file systems that have no locks.
     ///
     /// # Errors
     /// [`StoreError::Older`] for a store of an earlier version.
@@ -301,7 +301,7 @@ fn build(path: &Path, experiment: &Experiment, quantities: &[Quantity], units: &
     Group::new(experiment, &names, metadata, sums).write(path)
 }
 
-/// The bytes of a file of a store, which are on the disk then: zarrs leaves it to the operating system when a file is.
+/// Reads a file that zarrs has written, and makes sure that it is on the disk: zarrs leaves this to the operating system.
 fn synced(store: &Path, file: &str) -> Result<Vec<u8>, StoreError> {
     let path = store.join(file);
     let bytes = fs::read(&path).and_then(|bytes| sync::write(&path, &bytes).map(|()| bytes));

@@ -15,8 +15,8 @@ pub struct Units {
 }
 
 impl Units {
-    /// Units of at most `points` points each, and of one point at least. Those along the divided axis are as equal as they can be, since
-    /// what the last one lacks is stored as well.
+    /// Units of at most `points` points each, and of one point at least. Blocks along the divided axis are as equal as possible: chunks
+    /// are stored in full, also where the last block is cut off.
     ///
     /// # Panics
     /// If an axis has no values.

@@ -133,7 +133,7 @@ impl Store {
         Ok(Some((mark, columns)))
     }
 
-    /// The same of a store of the first version, which has no marks: a unit is finished if it has all of its status.
+    /// The values of a unit in a store of the first version. Such a store has no marks: a unit is finished if every point has a status.
     fn read_unit_1(&self, unit: usize) -> Result<Option<Columns>, StoreError> {
         let (place, points) = (self.chunk(unit), self.units.points(unit).len());
         let mut columns = Vec::new();
@@ -212,7 +212,7 @@ impl Store {
         let found = if self.version() == 1 {
             self.read_unit_1(unit).map(|columns| columns.as_ref().map(tally))
         } else {
-            // not from the values: the quantities that tell the motion need not be stored
+            // the mark tells the motion; the store need not hold the class
             self.read_marked(unit).map(|found| found.map(|(mark, _)| mark.tally))
         };
         match found {
