@@ -15,12 +15,21 @@ pub struct Edge {
 /// first edge. `inside` tells for each point whether it lies within the region, in rows of `columns` points. No line passes where
 /// it is None.
 pub fn lines(inside: &[Option<bool>], columns: usize) -> Vec<Vec<Edge>> {
+    let cells = (0..inside.len().saturating_sub(columns)).filter(|cell| cell % columns < columns - 1);
+    lines_through(
+        cells.map(|cell| [cell, cell + 1, cell + columns + 1, cell + columns]),
+        |point| inside[point],
+    )
+}
+
+/// As [`lines`], through some cells of a grid. Each is given by its corners, in the order of a walk around it.
+pub fn lines_through(
+    cells: impl Iterator<Item = [usize; 4]>,
+    inside: impl Fn(usize) -> Option<bool>,
+) -> Vec<Vec<Edge>> {
     let mut links: BTreeMap<Edge, Vec<Edge>> = BTreeMap::new();
-    for cell in 0..inside.len().saturating_sub(columns) {
-        if cell % columns == columns - 1 {
-            continue;
-        }
-        for [a, b] in crossed(inside, columns, cell) {
+    for corners in cells {
+        for [a, b] in crossed(corners, corners.map(&inside)) {
             links.entry(a).or_default().push(b);
             links.entry(b).or_default().push(a);
         }
@@ -47,9 +56,8 @@ pub fn lines(inside: &[Option<bool>], columns: usize) -> Vec<Vec<Edge>> {
     lines
 }
 
-/// The strokes of the border through the cell whose first corner is a point, each from one edge of the cell to another.
-fn crossed(inside: &[Option<bool>], columns: usize, cell: usize) -> Vec<[Edge; 2]> {
-    let corners = [cell, cell + 1, cell + columns + 1, cell + columns];
+/// The strokes of the border through a cell, each from one edge of the cell to another.
+fn crossed(corners: [usize; 4], inside: [Option<bool>; 4]) -> Vec<[Edge; 2]> {
     let edge = |side: usize| {
         let ends = [corners[side], corners[(side + 1) % 4]];
         Edge {
@@ -57,7 +65,7 @@ fn crossed(inside: &[Option<bool>], columns: usize, cell: usize) -> Vec<[Edge; 2
             to: ends[0].max(ends[1]),
         }
     };
-    let [Some(a), Some(b), Some(c), Some(d)] = corners.map(|corner| inside[corner]) else {
+    let [Some(a), Some(b), Some(c), Some(d)] = inside else {
         return Vec::new();
     };
     let sides: Vec<usize> = (0..4).filter(|&side| [a != b, b != c, c != d, d != a][side]).collect();

@@ -14,6 +14,7 @@ pub mod orbits;
 pub mod path;
 pub mod section;
 pub mod settling;
+pub mod threshold;
 
 use std::ops::ControlFlow;
 

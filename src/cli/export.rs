@@ -97,7 +97,7 @@ pub fn run(args: &ExportArgs) -> Result<(), Failure> {
 
 fn write_header(file: &mut impl std::io::Write, store: &Store, quantities: &[Quantity]) -> std::io::Result<()> {
     writeln!(file, "# {PROGRAM}: results of {}", store.path().display())?;
-    for line in csv::experiment_comments(&store.experiment().to_toml()) {
+    for line in csv::experiment_comments(&store.experiment().outline()) {
         writeln!(file, "# {line}")?;
     }
     let coordinates = store.experiment().design.varied.coordinates();

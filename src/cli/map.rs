@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use tribochaos::design::Axis;
 use tribochaos::engine::audit::{self, Audit};
 use tribochaos::engine::choice::{self, Choice};
-use tribochaos::engine::{self, Backends, Cause, EngineError, Sink, Table, Work};
+use tribochaos::engine::{self, Backends, EngineError, Sink, Table, Work};
 use tribochaos::experiment::{Experiment, Request};
 use tribochaos::map::ParameterMap;
 use tribochaos::measure::Quantity;
@@ -167,11 +167,7 @@ fn run_in_memory(experiment: &Experiment, choice: Choice, json: JsonArgs) -> Res
     let mut table = Table::new(experiment.clone(), backends.points_per_unit(experiment));
     progress::catch_signals();
     let started = Instant::now();
-    let work = compute(experiment, &mut backends, &mut table).map_err(|error| match error.cause {
-        Cause::Stopped => Failure::Interrupted("nothing is kept without --out".to_owned()),
-        Cause::Backend(error) => Failure::backend(error),
-        cause @ (Cause::Sink(_) | Cause::Lost { .. }) => Failure::run(cause),
-    })?;
+    let work = compute(experiment, &mut backends, &mut table).map_err(|error| stores::not_kept(error.cause))?;
     let map = ParameterMap::try_from(table.into_results()).map_err(Failure::input)?;
     json.print(&object(&map, &work, started.elapsed(), &[backends.active().device()]));
     Ok(())

@@ -51,6 +51,7 @@ mod slice;
 mod slurm;
 mod status;
 mod stores;
+mod threshold;
 
 use std::process::ExitCode;
 
@@ -84,6 +85,8 @@ enum Command {
     Slice(slice::SliceArgs),
     /// Write a store as a table
     Export(export::ExportArgs),
+    /// Find the border of chaos in two or three parameters, by refinement
+    Threshold(threshold::ThresholdArgs),
     /// Compute everything about one point
     Point(point::PointArgs),
     /// Draw pictures again from a store, without computing
@@ -164,6 +167,7 @@ fn command() -> clap::Command {
         ("map", Request::default(), &[][..]),
         ("scan", Request::default(), &[]),
         ("slurm", Request::default(), &[]),
+        ("threshold", Request::default(), &[]),
         ("point", on_the_cpu(Request::default()), &[]),
         ("lyapunov", on_the_cpu(Request::default()), &[]),
         ("bifurcation", on_the_cpu(bifurcation::defaults()), &[]),
@@ -176,10 +180,11 @@ fn command() -> clap::Command {
         .fold(Cli::command(), |command, (name, defaults, hidden)| {
             command.mut_subcommand(name, |command| request::tell_defaults(command, &defaults, hidden))
         });
-    let described: [(&str, Describe); 12] = [
+    let described: [(&str, Describe); 13] = [
         ("point", describe::<point::PointArgs>),
         ("scan", describe::<scan::ScanArgs>),
         ("slurm", describe::<slurm::SlurmArgs>),
+        ("threshold", describe::<threshold::ThresholdArgs>),
         ("bifurcation", describe::<bifurcation::BifurcationArgs>),
         ("lyapunov", describe::<lyapunov::LyapunovArgs>),
         ("phase", describe::<phase::PhaseArgs>),
@@ -224,6 +229,7 @@ pub fn main() -> ExitCode {
         Command::Verify(args) => status::verify(&args),
         Command::Slice(args) => slice::run(&args),
         Command::Export(args) => export::run(&args),
+        Command::Threshold(args) => threshold::run(&args),
         Command::Point(args) => point::run(&args),
         Command::Render(args) => render::run(&args),
         Command::Bifurcation(args) => bifurcation::run(&args),

@@ -219,9 +219,13 @@ pub fn check_held(map: &ParameterMap, quantities: &[Quantity], store: &Path) -> 
 
 /// Whether a picture shows the results of an experiment.
 fn shows(picture: &Path, experiment: &Experiment) -> bool {
-    let shown = png::read_experiment(picture).ok();
-    let shown = shown.and_then(|toml| Request::from_toml(&toml).ok()?.resolve().ok());
-    shown.is_some_and(|shown| shown.has_results_of(experiment))
+    shown(picture).is_some_and(|shown| shown.has_results_of(experiment))
+}
+
+/// The experiment that a picture shows, if it has one.
+pub fn shown(picture: &Path) -> Option<Experiment> {
+    let toml = png::read_experiment(picture).ok()?;
+    Request::from_toml(&toml).ok()?.resolve().ok()
 }
 
 /// `outputs/map` of `outputs/map.zarr`.

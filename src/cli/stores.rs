@@ -254,6 +254,15 @@ pub fn unfinished(EngineError { cause, finished, units }: EngineError, store: &P
     }
 }
 
+/// The failure for a run in memory.
+pub fn not_kept(cause: Cause) -> Failure {
+    match cause {
+        Cause::Stopped => Failure::Interrupted("nothing is kept without --out".to_owned()),
+        Cause::Backend(error) => Failure::backend(error),
+        cause @ (Cause::Sink(_) | Cause::Lost { .. }) => Failure::run(cause),
+    }
+}
+
 /// Number of points that are not finished.
 fn points_left(store: &Store) -> Result<usize, Failure> {
     let mut left = 0;

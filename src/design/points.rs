@@ -23,6 +23,9 @@ pub struct Points {
 struct Written {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     columns: Option<Vec<Coordinate>>,
+    /// Instead of the rows, if these are kept elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    count: Option<usize>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     rows: Option<Vec<Vec<f64>>>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -32,9 +35,10 @@ struct Written {
 impl TryFrom<Written> for Points {
     type Error = PointsError;
     fn try_from(written: Written) -> Result<Self, PointsError> {
-        match (written.columns, written.rows, written.sample) {
-            (Some(columns), Some(rows), None) => Self::new(columns, &rows),
-            (None, None, Some(sample)) => {
+        match (written.columns, written.count, written.rows, written.sample) {
+            (Some(columns), None, Some(rows), None) => Self::new(columns, &rows),
+            (Some(_), Some(count), None, None) => Err(PointsError::Elsewhere { count }),
+            (None, None, None, Some(sample)) => {
                 sample.check()?;
                 Ok(Self::from(sample))
             }
@@ -48,6 +52,7 @@ impl From<Points> for Written {
         if points.sample.is_some() {
             return Self {
                 columns: None,
+                count: None,
                 rows: None,
                 sample: points.sample,
             };
@@ -55,6 +60,7 @@ impl From<Points> for Written {
         let rows = (0..points.len()).map(|index| points.row(index).to_vec()).collect();
         Self {
             columns: Some(points.coordinates),
+            count: None,
             rows: Some(rows),
             sample: None,
         }
@@ -159,6 +165,30 @@ impl Points {
         }
     }
 
+    /// What stands for a list in a file that holds its values as data; None for a sample, which is short.
+    pub(crate) fn outline(&self) -> Option<impl Serialize + use<>> {
+        self.sample.is_none().then(|| Written {
+            columns: Some(self.coordinates.clone()),
+            count: Some(self.len()),
+            rows: None,
+            sample: None,
+        })
+    }
+
+    /// Takes the outline of a list out of the file of an experiment; returns its columns, or none if there is no outline.
+    ///
+    /// # Errors
+    /// If the list has another form.
+    pub(crate) fn take_outline(experiment: &mut toml::Table) -> Result<Vec<Coordinate>, toml::de::Error> {
+        let points = experiment.get("points").and_then(toml::Value::as_table);
+        if points.is_none_or(|points| !points.contains_key("count")) {
+            return Ok(Vec::new());
+        }
+        let points = experiment.remove("points").expect("it was found");
+        let written: Written = points.try_into()?;
+        Ok(written.columns.unwrap_or_default())
+    }
+
     /// The coordinates of the values in a row, in their order.
     pub fn coordinates(&self) -> &[Coordinate] {
         &self.coordinates
@@ -200,6 +230,11 @@ pub enum PointsError {
     Empty,
     #[error("a list of points has `columns` and `rows`, or a `sample`")]
     Incomplete,
+    #[error(
+        "the values of its {count} points are not in this text, but in the columns of the table or the coordinates of the store that it \
+         comes from: give the store, or write the table with `tribochaos export` and give it as --points"
+    )]
+    Elsewhere { count: usize },
     #[error(transparent)]
     Sample(#[from] SampleError),
     #[error(transparent)]

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use sobol::Sobol;
 use sobol::params::JoeKuoD6;
 
-use super::{AxisError, Coordinate, first_twice};
+use super::{Axis, AxisError, Coordinate, Spacing, first_twice};
 
 /// How the points of a sample are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -110,11 +110,24 @@ impl Side {
     }
 
     /// The value at a share of the way from one end to the other.
-    fn at(&self, share: f64) -> f64 {
+    pub fn at(&self, share: f64) -> f64 {
         if self.log {
             self.start * (self.stop / self.start).powf(share)
         } else {
             self.start + (self.stop - self.start) * share
+        }
+    }
+}
+
+impl From<&Axis> for Side {
+    /// The side between the least and the greatest value of an axis.
+    fn from(axis: &Axis) -> Self {
+        let [start, stop] = axis.ends();
+        Self {
+            parameter: axis.coordinate,
+            start,
+            stop,
+            log: matches!(axis.spacing(), Spacing::Logarithmic { .. }),
         }
     }
 }

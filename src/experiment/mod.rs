@@ -6,6 +6,7 @@ mod builder;
 mod device;
 mod difference;
 mod integration;
+mod outline;
 mod preset;
 mod request;
 mod sampling;
@@ -15,12 +16,13 @@ mod warnings;
 pub use builder::Builder;
 pub use device::{BackendChoice, Checking, Device};
 pub use integration::{Integration, IntegrationRequest, MAX_MODES, Precision, Scheme};
+pub use outline::Outline;
 pub use preset::Preset;
 pub use request::Request;
 pub use sampling::{InitialBox, Sampling};
 pub use settings::Settings;
 
-use crate::design::{AxisError, Coordinate, Design, DesignError, Extents, Varied};
+use crate::design::{AxisError, Coordinate, Design, DesignError, Extents, PointsError, Varied};
 use crate::machine::{Description, MachineError, SiQuantity};
 use crate::model::friction::thinnest_layer;
 use crate::parameters::{PARAMETERS, Parameter, ParameterError};
@@ -180,6 +182,8 @@ pub enum ExperimentError {
     Machine(#[from] MachineError),
     #[error(transparent)]
     Design(#[from] DesignError),
+    #[error(transparent)]
+    Points(#[from] PointsError),
     #[error("{name} = {value} is out of range: it must be from {min} to {max}")]
     Setting {
         name: &'static str,

@@ -4,6 +4,8 @@
 
 use palette::{FromColor, Oklab, Oklch, Srgb};
 
+use crate::measure::Class;
+
 /// Red, green and blue, encoded as sRGB.
 pub type Rgb = [u8; 3];
 
@@ -92,6 +94,17 @@ pub const CHAOTIC: Rgb = [0xe4, 0xe4, 0xe4];
 pub const REGULAR: Rgb = [0x00, 0xb4, 0xc8];
 /// Values that do not apply to a point.
 pub const NOT_APPLICABLE: Rgb = CHAOTIC;
+
+/// The colour of a class, where no scale of exponents is shown.
+pub const fn class_colour(class: Class) -> Rgb {
+    match class {
+        Class::Chaotic => PERIODS[4],
+        Class::Regular => PERIODS[0],
+        Class::QuasiPeriodic => QUASI_PERIODIC,
+        Class::Undecided => UNDECIDED,
+        Class::Unstable => UNSTABLE,
+    }
+}
 
 /// Periods and other counts: 1 to 8, then the groups 9 to 16, 17 to 32, and longer.
 pub const PERIODS: [Rgb; 11] = [

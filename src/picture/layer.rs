@@ -4,10 +4,13 @@
 
 use std::fmt::Write as _;
 
+use image::{Rgba, RgbaImage};
+
 use super::axis_scale::AxisScale;
 use super::colour::Rgb;
 use super::density::Density;
 use super::error::PictureError;
+use super::raster;
 use super::svg::{hex, path};
 
 /// The width of a layer's sign in a legend, in pixels.
@@ -82,6 +85,8 @@ pub enum Layer {
         /// In pixels.
         radius: f64,
     },
+    /// A raster over the whole frame, row by row, the lowest first.
+    Cells { columns: usize, colours: Vec<Rgb> },
     /// Hits per pixel over the whole frame.
     Density(Density),
     /// A horizontal line across the frame, at a height.
@@ -103,7 +108,7 @@ impl Layer {
             | Self::Marks { name, .. }
             | Self::CurveKey { name, .. }
             | Self::MarkKey { name, .. } => name,
-            Self::Density(_) | Self::Level { .. } | Self::Flag { .. } => "",
+            Self::Cells { .. } | Self::Density(_) | Self::Level { .. } | Self::Flag { .. } => "",
         }
     }
 
@@ -115,6 +120,7 @@ impl Layer {
             }
             Self::Band { points, .. } => points.iter().any(|point| point.iter().all(|value| value.is_finite())),
             Self::Density(density) => density.most() > 0 || density.outside() > 0,
+            Self::Cells { .. } => true,
             Self::Level { .. } | Self::Flag { .. } | Self::CurveKey { .. } | Self::MarkKey { .. } => false,
         }
     }
@@ -138,6 +144,7 @@ impl Layer {
                 .any(|&[px, low, high]| x.meets([px, px]) && y.meets([low, high])),
             Self::Marks { points, .. } => points.iter().any(|&point| is_within(point)),
             Self::Density(density) => density.most() > 0,
+            Self::Cells { .. } => true,
             Self::Level { .. } | Self::Flag { .. } | Self::CurveKey { .. } | Self::MarkKey { .. } => false,
         }
     }
@@ -190,6 +197,14 @@ impl Layer {
                         );
                     }
                 }
+            }
+            Self::Cells { columns, colours } => {
+                let rows = colours.len() / columns;
+                let image = RgbaImage::from_fn(*columns as u32, rows as u32, |column, row| {
+                    let [red, green, blue] = colours[(rows - 1 - row as usize) * columns + column as usize];
+                    Rgba([red, green, blue, 255])
+                });
+                raster::draw(svg, &image, frame)?;
             }
             Self::Density(density) => density.draw(svg, frame)?,
             Self::Level { y, stroke } => {
@@ -246,7 +261,7 @@ impl Layer {
                     hex(*colour)
                 );
             }
-            Self::Density(_) | Self::Level { .. } | Self::Flag { .. } => {}
+            Self::Cells { .. } | Self::Density(_) | Self::Level { .. } | Self::Flag { .. } => {}
         }
     }
 }

@@ -47,7 +47,7 @@ impl Group {
         attributes.insert("format".into(), FORMAT.into());
         attributes.insert("format_version".into(), FORMAT_VERSION.into());
         attributes.insert("program".into(), PROGRAM.into());
-        attributes.insert("experiment".into(), experiment.to_toml().into());
+        attributes.insert("experiment".into(), experiment.outline().into());
         attributes.insert("coordinates".into(), coordinates.join(" ").into());
         let files = files.into_iter().map(|(path, sum)| (path, sum.into())).collect();
         attributes.insert("files_crc32".into(), Value::Object(files));

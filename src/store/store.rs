@@ -3,6 +3,7 @@
 //! Owns the order in which a store comes to be; its values are [`super::values`]'.
 
 use std::collections::BTreeSet;
+use std::error::Error;
 use std::fmt::Display;
 use std::fs;
 use std::path::Path;
@@ -13,6 +14,7 @@ use zarrs::array::Array;
 use zarrs::filesystem::FilesystemStore;
 
 use super::checksum::checksum;
+use super::chunk;
 use super::error::StoreError;
 use super::group::{FORMAT_VERSION, Group, METADATA};
 use super::layout;
@@ -23,9 +25,10 @@ use super::root::Root;
 use super::scales;
 use super::sync;
 use super::units::Units;
-use crate::experiment::{Experiment, Request};
+use crate::experiment::{Experiment, ExperimentError, Outline};
 use crate::measure::{QUANTITIES, Quantity};
 use crate::output::whole::own_part;
+use crate::results::Column;
 
 /// Results on disk, open for reading and writing.
 pub struct Store {
@@ -120,11 +123,18 @@ impl Store {
         }
         let toml = group.text("experiment");
         let toml = toml.ok_or_else(|| damaged("the attribute `experiment` is missing".into()))?;
-        let experiment_sum = checksum(toml.as_bytes());
-        let experiment = Request::from_toml(toml)
-            .and_then(|request| request.resolve())
-            .map_err(|error| damaged(format!("the attribute `experiment`: {error}")))?;
         let storage = Arc::new(FilesystemStore::new(path).map_err(|error| damaged(error.to_string()))?);
+        let of_experiment = |error: ExperimentError| damaged(format!("the attribute `experiment`: {error}"));
+        let outline = Outline::from_toml(toml).map_err(of_experiment)?;
+        let columns = outline.columns().iter().map(|coordinate| coordinate.name());
+        let values: Vec<Vec<f64>> = columns
+            .map(|name| {
+                let values = read_coordinate(path, &storage, name);
+                values.map_err(|error| damaged(format!("the array `{name}`: {error}")))
+            })
+            .collect::<Result<_, _>>()?;
+        let experiment_sum = identity(toml, values.iter().map(Vec::as_slice));
+        let experiment = outline.complete(&values).map_err(of_experiment)?;
 
         let mut arrays = Vec::new();
         let mut units = None;
@@ -180,8 +190,7 @@ impl Store {
         let known = Mark::any(path).filter(|mark| {
             let names = Quantity::held(quantities).map(|info| info.name);
             let scales = scales::of(experiment).iter().map(|scale| scale.name());
-            mark.experiment == checksum(experiment.to_toml().as_bytes())
-                && names.chain(scales).collect::<BTreeSet<_>>() == mark.names()
+            mark.experiment == identity_of(experiment) && names.chain(scales).collect::<BTreeSet<_>>() == mark.names()
         });
         let sides = sides(&experiment.design);
         let units = known.and_then(|mark| Units::of_block(&sides, &mark.block));
@@ -299,6 +308,37 @@ fn build(path: &Path, experiment: &Experiment, quantities: &[Quantity], units: &
         }
     }
     Group::new(experiment, &names, metadata, sums).write(path)
+}
+
+/// The values of a coordinate.
+fn read_coordinate(path: &Path, storage: &Arc<FilesystemStore>, name: &str) -> Result<Vec<f64>, Box<dyn Error>> {
+    let array = Array::open(storage.clone(), &node(name))?;
+    let bytes = fs::read(chunk::path(path, &array, &[0]))?;
+    let count = array.shape().iter().product::<u64>() as usize;
+    match chunk::decode(&array, &[0], bytes, count)? {
+        Column::F64(values) if values.len() == count => Ok(values),
+        _ => Err("it does not have its type or its length".into()),
+    }
+}
+
+/// What identifies the experiment of a store: the checksum of its outline, followed by the values that this leaves out.
+fn identity<'a>(outline: &str, columns: impl Iterator<Item = &'a [f64]>) -> String {
+    let mut text = outline.as_bytes().to_vec();
+    for column in columns {
+        text.extend(column.iter().flat_map(|value| value.to_le_bytes()));
+    }
+    checksum(&text)
+}
+
+fn identity_of(experiment: &Experiment) -> String {
+    let text = experiment.outline();
+    let has_all = Outline::from_toml(&text).is_ok_and(|outline| outline.columns().is_empty());
+    let columns = if has_all {
+        Vec::new()
+    } else {
+        coordinates(&experiment.design)
+    };
+    identity(&text, columns.iter().map(|(.., values)| values.as_slice()))
 }
 
 /// Reads a file that zarrs has written, and makes sure that it is on the disk: zarrs leaves this to the operating system.

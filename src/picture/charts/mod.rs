@@ -3,6 +3,7 @@
 //! Neither computes a result nor places a panel. Each file draws one kind of result and knows none of the others; all know
 //! `shared`.
 
+mod border;
 mod exponents;
 pub mod histories;
 mod melnikov;
@@ -10,6 +11,7 @@ mod shared;
 mod states;
 pub mod survival;
 
+pub use self::border::border_planes;
 pub use self::exponents::exponents;
 pub use self::melnikov::{melnikov, threshold};
 pub use self::shared::{Ends, MOST_CURVES};

@@ -11,7 +11,7 @@ use super::values::{Shown, bar, label};
 use crate::map::{ParameterMap, drawn_border};
 use crate::measure::{Class, Quantity, Values};
 use crate::picture::caption;
-use crate::picture::colour::{self, Rgb};
+use crate::picture::colour::{self, class_colour};
 use crate::picture::error::PictureError;
 use crate::picture::page::Page;
 use crate::picture::png::{self, PngError};
@@ -250,16 +250,6 @@ fn code_picture(map: &ParameterMap, quantity: Quantity, names: &[&str], style: &
     )
 }
 
-fn class_colour(class: Class) -> Rgb {
-    match class {
-        Class::Chaotic => colour::PERIODS[4],
-        Class::Regular => colour::PERIODS[0],
-        Class::QuasiPeriodic => colour::QUASI_PERIODIC,
-        Class::Undecided => colour::UNDECIDED,
-        Class::Unstable => colour::UNSTABLE,
-    }
-}
-
 /// The name of a code as ordinary words.
 fn spoken(name: &str) -> String {
     match name {
@@ -285,6 +275,7 @@ fn cells(map: &ParameterMap, cell: impl Fn(usize) -> Cell) -> Vec<Cell> {
 fn page(map: &ParameterMap, style: &Style, mut plot: Plot) -> Result<Page, PictureError> {
     plot.overlay.clone_from(&style.overlay);
     let mut caption = paragraphs::of(map);
+    caption.extend(style.note.clone());
     if !plot.border.is_empty() {
         caption.push(paragraphs::border(map));
     }

@@ -20,6 +20,8 @@ pub struct Style {
     pub border: bool,
     /// A curve from theory that is drawn over every map.
     pub overlay: Option<Overlay>,
+    /// A paragraph for the caption, on how the map came about.
+    pub note: Option<String>,
     /// Width and height of the plotted map in pixels. They are approximate, because every point takes whole pixels.
     pub size: [u32; 2],
 }
@@ -31,6 +33,7 @@ impl Default for Style {
             colours: ColourScale::default(),
             border: true,
             overlay: None,
+            note: None,
             size: [960, 640],
         }
     }
