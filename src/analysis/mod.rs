@@ -11,6 +11,7 @@ pub mod lifetime;
 pub mod melnikov;
 pub mod onset;
 pub mod orbits;
+pub mod overview;
 pub mod path;
 pub mod section;
 pub mod settling;

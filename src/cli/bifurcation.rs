@@ -18,7 +18,7 @@ use tribochaos::picture::sheet::{SINGLE, Sheet};
 
 use super::analysis::{self, Claim, OutArgs, StartArgs};
 use super::request::{self, AskedAxis, Checked, ExperimentArgs};
-use super::{Failure, report};
+use super::{Failure, words};
 
 /// The name of the command in files.
 const COMMAND: &str = "bifurcation";
@@ -209,7 +209,7 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
             "{} states over {} values in {}",
             diagram.len(),
             axis.count(),
-            report::duration(started.elapsed())
+            words::duration(started.elapsed())
         );
         if diagram.runaways > 0 {
             print_line!(

@@ -13,7 +13,7 @@ use tribochaos::map::ParameterMap;
 use tribochaos::output::PROGRAM;
 
 use super::json::JsonArgs;
-use super::{Failure, progress, report};
+use super::{Failure, progress, words};
 
 #[derive(Args)]
 pub struct DevicesArgs {
@@ -122,7 +122,7 @@ fn check(adapter: Option<&str>) -> Result<(), Failure> {
     let audit = audit::audit(&map, indices.len(), observer)
         .map_err(Failure::backend)?
         .ok_or_else(interrupted)?;
-    print_text!("{}", report::audit(&audit));
+    print_text!("{}", words::audit(&audit));
     if twins.agree() && audit.passes() {
         print_line!("the GPU computes rightly");
         Ok(())

@@ -19,7 +19,7 @@ use tribochaos::picture::{caption, charts};
 use super::analysis::{self, Claim, OutArgs, StartArgs};
 use super::onset::{Outcome, Search};
 use super::request::{self, AskedAxis, Checked, ExperimentArgs};
-use super::{Failure, report};
+use super::{Failure, words};
 
 /// The name of the command in files.
 const COMMAND: &str = "lyapunov";
@@ -148,7 +148,7 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
         || {
             print_line!(
                 "{exponents} exponents in {}, each over {} periods after {}: {}",
-                report::duration(started.elapsed()),
+                words::duration(started.elapsed()),
                 settings.sampling.periods,
                 settings.sampling.transient_periods,
                 caption::scheme(&settings)
@@ -157,7 +157,7 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
                 print_line!(
                     "status: {} of {exponents} exponents were not measured, since their points are under-resolved: {}",
                     gaps.under_resolved,
-                    report::remedy(&settings)
+                    words::remedy(&settings)
                 );
             }
             if gaps.ran_away > 0 {

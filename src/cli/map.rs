@@ -20,9 +20,9 @@ use super::json::JsonArgs;
 use super::outputs::Outputs;
 use super::overlay::{self, Theory};
 use super::progress::{self, Progress};
-use super::report;
 use super::request::{self, AskedAxis, ExperimentArgs};
 use super::stores::{self, Wanted};
+use super::words;
 
 #[derive(Args)]
 #[command(after_long_help = request::help())]
@@ -116,7 +116,7 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
     };
     if args.dry_run {
         outputs.check(&experiment, args.force).map_err(Failure::Input)?;
-        print_line!("{}\n{}", report::plan(&experiment), report::device(&choice));
+        print_line!("{}\n{}", words::plan(&experiment), words::device(&choice));
         return wanted.dry_run(&outputs.store(), &mut choice.backends, 1);
     }
     if args.json.wanted() && request.out.is_none() {
@@ -126,7 +126,7 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
     let mut store = wanted.open(&outputs.store()).map_err(Failure::Input)?;
     let is_for_people = !args.json.wanted();
     if is_for_people {
-        print_line!("{}\n{}", report::plan(&experiment), report::device(&choice));
+        print_line!("{}\n{}", words::plan(&experiment), words::device(&choice));
     }
 
     progress::catch_signals();
@@ -145,9 +145,9 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
         eprintln!("warning: {warning}");
     }
     if is_for_people {
-        print_text!("{}", report::summary(&map, &work, elapsed, &devices));
+        print_text!("{}", words::summary(&map, &work, elapsed, &devices));
         if let Some(audit) = audit {
-            print_text!("{}", report::audit(&audit));
+            print_text!("{}", words::audit(&audit));
         }
         for file in files {
             print_line!("wrote {}", file.display());
@@ -174,7 +174,7 @@ fn run_in_memory(experiment: &Experiment, choice: Choice, json: JsonArgs) -> Res
 }
 
 fn object(map: &ParameterMap, work: &Work, elapsed: Duration, devices: &[String]) -> Value {
-    let mut object = report::object(map);
+    let mut object = words::object(map);
     object["computed_now"] = work.points.into();
     object["instance_periods"] = work.instance_periods.into();
     object["seconds"] = elapsed.as_secs_f64().into();

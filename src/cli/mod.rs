@@ -42,7 +42,6 @@ mod point;
 mod print;
 mod progress;
 mod render;
-mod report;
 mod reproduce;
 mod request;
 mod scan;
@@ -52,6 +51,7 @@ mod slurm;
 mod status;
 mod stores;
 mod threshold;
+mod words;
 
 use std::process::ExitCode;
 

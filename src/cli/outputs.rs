@@ -14,7 +14,7 @@ use tribochaos::output::whole::own_part;
 use tribochaos::picture::{self, Style, png};
 
 use super::json::JsonArgs;
-use super::{Failure, report, stores};
+use super::{Failure, stores, words};
 
 /// Checks before any work that a file can be written at `path`, whose folders need not exist yet. For this, creates a temporary
 /// file in the nearest existing folder, and removes it again.
@@ -182,7 +182,7 @@ impl Outputs {
         };
         let files = files.map_err(Failure::Input)?;
         if json.wanted() {
-            let mut object = report::object(map);
+            let mut object = words::object(map);
             object["files"] = files.iter().map(|file| file.display().to_string()).collect();
             json.print(&object);
             return Ok(());

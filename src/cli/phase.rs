@@ -14,7 +14,7 @@ use tribochaos::picture::{caption, charts};
 
 use super::analysis::{self, Claim, OutArgs, StartArgs};
 use super::request::{self, Checked, ExperimentArgs};
-use super::{Failure, report};
+use super::{Failure, words};
 
 /// The name of the command in files.
 const COMMAND: &str = "phase";
@@ -147,7 +147,7 @@ fn followed(experiment: &Experiment, starts: &[[f64; 2]]) -> Vec<Orbit> {
             let ending = match path.status {
                 Status::Ok => None,
                 Status::Runaway { time } => Some(format!("ran away at tau = {time:.3} of its run")),
-                Status::UnderResolved => Some(format!("is under-resolved ({})", report::remedy(settings))),
+                Status::UnderResolved => Some(format!("is under-resolved ({})", words::remedy(settings))),
             };
             if let Some(ending) = ending {
                 let at = varied.iter().zip(&values);

@@ -17,7 +17,7 @@ use tribochaos::picture::{caption, charts};
 
 use super::analysis::{self, Claim, OutArgs};
 use super::request::{self, Checked, ExperimentArgs};
-use super::{Failure, report};
+use super::{Failure, words};
 
 /// The name of the command in files.
 const COMMAND: &str = "poincare";
@@ -181,7 +181,7 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
         print_line!(
             "{} states in {}, {inside} of them in the frame, on {occupied} pixels",
             points.len(),
-            report::duration(started.elapsed())
+            words::duration(started.elapsed())
         );
         if inside == 0 {
             print_line!(

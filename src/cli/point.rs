@@ -11,7 +11,7 @@ use tribochaos::measure::{Measurement, Status, is_scheme_to_blame};
 use super::analysis::OutArgs;
 use super::lifetime::LifetimeArgs;
 use super::request::{self, ExperimentArgs};
-use super::{Failure, analysis, progress, report, si};
+use super::{Failure, analysis, progress, si, words};
 
 /// The name of the command in files.
 const COMMAND: &str = "point";
@@ -184,7 +184,7 @@ fn print(experiment: &Experiment, m: &Measurement, by_default: Option<&Measureme
             return;
         }
         Status::UnderResolved => {
-            let remedy = by_default.map_or_else(|| report::remedy(settings).to_owned(), tried);
+            let remedy = by_default.map_or_else(|| words::remedy(settings).to_owned(), tried);
             print_line!("under-resolved, nothing was measured: {remedy}");
             return;
         }
@@ -206,7 +206,7 @@ fn print(experiment: &Experiment, m: &Measurement, by_default: Option<&Measureme
     if is_scheme_to_blame(m.scheme_error, m.lyapunov_error) {
         print_line!(
             "                    (most of the error is the scheme's: {})",
-            report::finer(settings)
+            words::finer(settings)
         );
     }
     if m.is_on_limit_cycle() {

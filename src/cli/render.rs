@@ -13,7 +13,7 @@ use tribochaos::store::Store;
 use super::json::JsonArgs;
 use super::outputs::{self, Outputs};
 use super::overlay::{self, Theory};
-use super::{Failure, report, request};
+use super::{Failure, request, words};
 
 #[derive(Args)]
 pub struct RenderArgs {
@@ -90,7 +90,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let map = ParameterMap::try_from(results.map_err(Failure::input)?).map_err(Failure::input)?;
     outputs::check_held(&map, &args.quantity, &args.store).map_err(Failure::Input)?;
     if args.json.wanted() && args.out.is_none() {
-        args.json.print(&report::object(&map));
+        args.json.print(&words::object(&map));
         return Ok(());
     }
     let outputs = Outputs::new(args.out.as_deref().unwrap_or(&name));

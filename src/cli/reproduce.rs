@@ -10,7 +10,7 @@ use tribochaos::studies::paper::{Effort, FIGURES, Figure, Files};
 
 use super::json::JsonArgs;
 use super::progress;
-use super::{Failure, outputs, report};
+use super::{Failure, outputs, words};
 
 /// Figures that are there and current are not computed again.
 #[derive(Args)]
@@ -99,7 +99,7 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Failure> {
         }
         let written = files.write(figure, &outcome).map_err(Failure::run)?;
         if is_for_people {
-            print_line!("figure {} in {}", figure.id, report::duration(started.elapsed()));
+            print_line!("figure {} in {}", figure.id, words::duration(started.elapsed()));
             for file in written {
                 print_line!("wrote {}", file.display());
             }

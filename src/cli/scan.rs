@@ -16,7 +16,7 @@ use super::json::JsonArgs;
 use super::progress::{self, Progress};
 use super::request::{self, ExperimentArgs};
 use super::stores::{self, Wanted};
-use super::{Failure, outputs, report};
+use super::{Failure, outputs, words};
 
 /// Any number of axes, or any points. What is finished is kept: the same command goes on where an earlier one stopped, and several
 /// processes that are given the same store share the work.
@@ -206,8 +206,8 @@ impl ScanArgs {
             .map_or_else(|| backends[0].points_per_unit(&experiment), |points| points as usize);
         if !self.json.wanted() {
             let size = store::size_bytes(&experiment, &quantities, unit);
-            print_line!("{}\n{}", report::plan(&experiment), report::devices(&backends, &reason));
-            print_line!("store:  {} for {} points", report::bytes(size), experiment.design.len());
+            print_line!("{}\n{}", words::plan(&experiment), words::devices(&backends, &reason));
+            print_line!("store:  {} for {} points", words::bytes(size), experiment.design.len());
         }
         Ok(Some(Prepared {
             path,
@@ -267,10 +267,10 @@ pub fn run(args: &ScanArgs) -> Result<(), Failure> {
         print_line!(
             "{} points in {}, {rate:.0} points/s; {} were there already",
             work.points,
-            report::duration(elapsed),
+            words::duration(elapsed),
             points - work.points
         );
-        print_line!("motion: {}", report::kinds(&tally));
+        print_line!("motion: {}", words::kinds(&tally));
         print_line!("wrote {}", path.display());
         return Ok(());
     }

@@ -10,7 +10,7 @@ use tribochaos::store::Store;
 
 use super::json::JsonArgs;
 use super::outputs::{self, Outputs};
-use super::{Failure, report, request};
+use super::{Failure, request, words};
 
 #[derive(Args)]
 pub struct SliceArgs {
@@ -47,7 +47,7 @@ pub fn run(args: &SliceArgs) -> Result<(), Failure> {
     let map = store.slice([args.x, args.y], &args.at).map_err(Failure::input)?;
     outputs::check_held(&map, &args.quantity, &args.store).map_err(Failure::Input)?;
     if args.json.wanted() && args.out.is_none() {
-        args.json.print(&report::object(&map));
+        args.json.print(&words::object(&map));
         return Ok(());
     }
     let outputs = Outputs::new(args.out.as_deref().unwrap_or("outputs/slice".as_ref()));

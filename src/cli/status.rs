@@ -13,7 +13,7 @@ use tribochaos::store::{Lock, Store, Use};
 use super::json::JsonArgs;
 use super::progress::{self, Progress};
 use super::stores;
-use super::{Failure, report};
+use super::{Failure, words};
 
 #[derive(Args)]
 pub struct StatusArgs {
@@ -125,7 +125,7 @@ impl Survey {
         );
         print_line!("points: {} of {}", self.tally.points(), self.points);
         if self.tally.points() > 0 {
-            print_line!("motion: {}", report::kinds(&self.tally));
+            print_line!("motion: {}", words::kinds(&self.tally));
         }
         for (device, points, seconds) in &self.devices {
             print_line!(
@@ -134,7 +134,7 @@ impl Survey {
             );
         }
         if let Some(seconds) = self.seconds_left().filter(|&seconds| seconds > 0.0) {
-            let left = report::duration(Duration::from_secs_f64(seconds));
+            let left = words::duration(Duration::from_secs_f64(seconds));
             print_line!("left:   about {left} of one process such as those so far");
         }
     }
@@ -147,7 +147,7 @@ pub fn status(args: &StatusArgs) -> Result<(), Failure> {
         args.json.print(&survey.object());
         return Ok(());
     }
-    print_line!("{}", report::plan(store.experiment()));
+    print_line!("{}", words::plan(store.experiment()));
     survey.print();
     for (unit, what) in &survey.damaged {
         print_line!("damaged: unit {unit}: {what}");

@@ -14,8 +14,8 @@ use tribochaos::measure::Quantity;
 use tribochaos::output::PROGRAM;
 use tribochaos::store::{self, Lock, Store, StoreError, Use};
 
-use super::report::bytes;
-use super::{Failure, report, request, with_causes};
+use super::words::bytes;
+use super::{Failure, request, with_causes, words};
 
 /// How long to wait before a store that another process creates is looked for again.
 const WAIT: Duration = Duration::from_millis(50);
@@ -153,7 +153,7 @@ impl Wanted<'_> {
         if left > 0 {
             let seconds = estimate::seconds(device, self.experiment).map_err(Failure::backend)?;
             let seconds = seconds * left as f64 / points as f64 / devices as f64;
-            print_line!("about {}", report::duration(Duration::from_secs_f64(seconds)));
+            print_line!("about {}", words::duration(Duration::from_secs_f64(seconds)));
         }
         print_line!("would write {}", path.display());
         Ok(())

@@ -24,7 +24,7 @@ use super::overlay::{self, Theory};
 use super::progress::{self, Progress};
 use super::request::{self, ExperimentArgs};
 use super::stores::{self, Wanted};
-use super::{Failure, report};
+use super::{Failure, words};
 
 /// Begins with a coarse grid over a box of parameters, and refines it again and again where chaotic points lie beside others. Islands that
 /// are smaller than a cell of the first grid can be missed. What is finished is kept: the same command goes on where an earlier one
@@ -150,7 +150,7 @@ pub fn run(args: &ThresholdArgs) -> Result<(), Failure> {
     };
     let (backends, reason) = choice::choose_all(&experiment).map_err(Failure::backend)?;
     if !args.json.wanted() {
-        print_line!("{}\n{}", describe(&plan), report::devices(&backends, &reason));
+        print_line!("{}\n{}", describe(&plan), words::devices(&backends, &reason));
     }
     progress::catch_signals();
     let started = Instant::now();
@@ -412,10 +412,10 @@ fn summary(border: &Border, plan: &Plan, computed: usize, elapsed: Duration) -> 
          {dimension}\n",
         border.points(),
         border.rounds(),
-        report::duration(elapsed),
+        words::duration(elapsed),
         percent(border.points() as f64 / plan.points_of_grid()),
         plan.points_of_grid(),
-        report::kinds(&border.tally()),
+        words::kinds(&border.tally()),
         lines.len(),
         counted.join(", ")
     )

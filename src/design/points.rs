@@ -194,6 +194,11 @@ impl Points {
         &self.coordinates
     }
 
+    /// Whether a column was sampled so that equal ratios are equally likely.
+    pub fn is_logarithmic(&self, column: usize) -> bool {
+        self.sample.as_ref().is_some_and(|sample| sample.is_logarithmic(column))
+    }
+
     /// Number of points.
     pub fn len(&self) -> usize {
         self.values.len() / self.coordinates.len()

@@ -182,6 +182,11 @@ impl Sample {
         self.over.iter().map(|side| side.parameter).collect()
     }
 
+    /// Whether equal ratios of a side are equally likely.
+    pub(super) fn is_logarithmic(&self, side: usize) -> bool {
+        self.over[side].log
+    }
+
     /// The values of all points, row by row.
     pub(super) fn values(&self) -> Vec<f64> {
         let sides = self.over.len();

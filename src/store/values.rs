@@ -179,7 +179,15 @@ impl Store {
     /// # Errors
     /// [`StoreError::Damaged`] if values of a finished unit are not what was written, [`StoreError::Read`].
     pub fn read(&self) -> Result<Results, StoreError> {
-        let mut results = Results::of(self.experiment.clone(), &self.quantities());
+        self.read_some(&self.quantities())
+    }
+
+    /// As [`Store::read`], but of these quantities and the status alone.
+    ///
+    /// # Errors
+    /// As [`Store::read`].
+    pub fn read_some(&self, quantities: &[Quantity]) -> Result<Results, StoreError> {
+        let mut results = Results::of(self.experiment.clone(), quantities);
         for unit in 0..self.units.count() {
             for (quantity, column) in self.read_unit(unit)?.into_iter().flatten() {
                 results.replace(quantity, self.units.points(unit).start, &column);
