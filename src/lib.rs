@@ -42,6 +42,7 @@
 //! - `gpu`: computing on a GPU by wgpu;
 //! - `pictures`: maps and charts as PNG and SVG;
 //! - `store`: maps on disk as Zarr;
+//! - `parquet`: tables as Parquet;
 //! - `cli`: the program; it needs the others.
 //!
 //! # Layers

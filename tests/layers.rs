@@ -91,6 +91,7 @@ fn only_the_command_line_knows_its_crates() {
         "clap_mangen",
         "anyhow",
         "indicatif",
+        "pulldown_cmark",
         "humantime",
         "signal_hook",
         "libc",
@@ -111,6 +112,11 @@ fn only_the_store_knows_the_crates_of_stores() {
     for name in ["zarrs", "fs4"] {
         assert_only_in(&["store/"], name, |code| names_crate(code, name));
     }
+}
+
+#[test]
+fn only_the_outputs_know_the_crate_of_parquet() {
+    assert_only_in(&["output/parquet.rs"], "parquet", |code| names_crate(code, "parquet"));
 }
 
 #[test]

@@ -42,6 +42,7 @@ mod point;
 mod print;
 mod progress;
 mod render;
+mod report;
 mod reproduce;
 mod request;
 mod scan;
@@ -83,6 +84,8 @@ enum Command {
     Verify(status::VerifyArgs),
     /// Draw a map out of a store of more than two axes
     Slice(slice::SliceArgs),
+    /// Write what a store says as a page: shares of chaos, which parameters matter, how far a point is from chaos
+    Report(report::ReportArgs),
     /// Write a store as a table
     Export(export::ExportArgs),
     /// Find the border of chaos in two or three parameters, by refinement
@@ -180,11 +183,12 @@ fn command() -> clap::Command {
         .fold(Cli::command(), |command, (name, defaults, hidden)| {
             command.mut_subcommand(name, |command| request::tell_defaults(command, &defaults, hidden))
         });
-    let described: [(&str, Describe); 13] = [
+    let described: [(&str, Describe); 14] = [
         ("point", describe::<point::PointArgs>),
         ("scan", describe::<scan::ScanArgs>),
         ("slurm", describe::<slurm::SlurmArgs>),
         ("threshold", describe::<threshold::ThresholdArgs>),
+        ("report", describe::<report::ReportArgs>),
         ("bifurcation", describe::<bifurcation::BifurcationArgs>),
         ("lyapunov", describe::<lyapunov::LyapunovArgs>),
         ("phase", describe::<phase::PhaseArgs>),
@@ -228,6 +232,7 @@ pub fn main() -> ExitCode {
         Command::Status(args) => status::status(&args),
         Command::Verify(args) => status::verify(&args),
         Command::Slice(args) => slice::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Threshold(args) => threshold::run(&args),
         Command::Point(args) => point::run(&args),

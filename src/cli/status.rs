@@ -38,20 +38,20 @@ pub struct VerifyArgs {
 }
 
 /// What there is in a store.
-struct Survey {
+pub struct Survey {
     units: usize,
     whole: usize,
     /// Which units are damaged, and what is wrong.
-    damaged: Vec<(usize, String)>,
+    pub damaged: Vec<(usize, String)>,
     points: usize,
-    tally: Tally,
+    pub tally: Tally,
     /// Devices, with the points that each has computed and the time that it took.
-    devices: Vec<(String, u64, f64)>,
+    pub devices: Vec<(String, u64, f64)>,
 }
 
 impl Survey {
     /// Reads all of the store.
-    fn of(store: &Store) -> Result<Self, Failure> {
+    pub fn of(store: &Store) -> Result<Self, Failure> {
         let mut survey = Self {
             units: store.units(),
             whole: 0,

@@ -2,9 +2,11 @@
 //! tables of numbers.
 //!
 //! Owns no picture and no store, and needs neither feature. Each file knows only those before it in this order: [`whole`],
-//! [`csv`].
+//! [`csv`], `parquet`.
 
 pub mod csv;
+#[cfg(feature = "parquet")]
+pub mod parquet;
 #[cfg(test)]
 pub(crate) mod samples;
 pub mod whole;

@@ -30,12 +30,12 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// The coordinates of a design, in its order.
-    pub fn all(design: &Design) -> Vec<Self> {
+    /// The coordinates of a design, in its order, with bins that are looked at `together` at a time: one coordinate alone, or pairs.
+    fn all(design: &Design, together: u32) -> Vec<Self> {
         match &design.varied {
             Varied::Axes(axes) => axes.iter().map(Self::of_axis).collect(),
             Varied::Points(points) => (0..points.coordinates().len())
-                .map(|column| Self::of_column(points, column))
+                .map(|column| Self::of_column(points, column, together))
                 .collect(),
         }
     }
@@ -78,9 +78,10 @@ impl Extent {
         }
     }
 
-    fn of_column(points: &Points, column: usize) -> Self {
+    fn of_column(points: &Points, column: usize, together: u32) -> Self {
         let [low, high] = points.ends()[column];
-        let bins = (points.len() / LEAST_POINTS).clamp(2, MOST_BINS);
+        let filled = points.len() as f64 / LEAST_POINTS as f64;
+        let bins = (filled.powf(1.0 / f64::from(together)) as usize).clamp(2, MOST_BINS);
         let mut extent = Self {
             coordinate: points.coordinates()[column],
             is_logarithmic: points.is_logarithmic(column),
@@ -134,8 +135,8 @@ pub struct Places<'a> {
 }
 
 impl<'a> Places<'a> {
-    /// Of a design.
-    pub fn new(design: &'a Design) -> Self {
+    /// Of a design, with bins of `together` coordinates at a time.
+    pub fn new(design: &'a Design, together: u32) -> Self {
         let strides = design.axes().iter().scan(1, |stride, axis| {
             let own = *stride;
             *stride *= axis.count();
@@ -143,7 +144,7 @@ impl<'a> Places<'a> {
         });
         Self {
             design,
-            extents: Extent::all(design),
+            extents: Extent::all(design, together),
             strides: strides.collect(),
         }
     }

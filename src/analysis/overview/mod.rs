@@ -22,6 +22,8 @@ use crate::results::Results;
 pub struct Overview<'a> {
     results: &'a Results,
     places: Places<'a>,
+    /// With bins of which pairs have enough points.
+    places_of_pairs: Places<'a>,
 }
 
 /// How far a point is from chaos.
@@ -44,13 +46,19 @@ impl<'a> Overview<'a> {
     pub fn new(results: &'a Results) -> Self {
         Self {
             results,
-            places: Places::new(&results.experiment.design),
+            places: Places::new(&results.experiment.design, 1),
+            places_of_pairs: Places::new(&results.experiment.design, 2),
         }
     }
 
     /// The coordinates of the design.
     pub fn extents(&self) -> &[Extent] {
         &self.places.extents
+    }
+
+    /// The coordinates with the bins of [`Overview::shares_of_pair`].
+    pub fn extents_of_pairs(&self) -> &[Extent] {
+        &self.places_of_pairs.extents
     }
 
     fn computed(&self) -> impl Iterator<Item = usize> + '_ {
@@ -86,10 +94,10 @@ impl<'a> Overview<'a> {
 
     /// The share of chaos in each pair of bins of two coordinates, the bins of the first varying fastest.
     pub fn shares_of_pair(&self, [one, other]: [usize; 2]) -> Vec<Share> {
-        let [columns, rows] = [one, other].map(|coordinate| self.extents()[coordinate].bins.len());
+        let [columns, rows] = [one, other].map(|coordinate| self.extents_of_pairs()[coordinate].bins.len());
         let mut shares = vec![Share::default(); columns * rows];
         for index in self.computed() {
-            let [column, row] = [one, other].map(|coordinate| self.places.bin(coordinate, index));
+            let [column, row] = [one, other].map(|coordinate| self.places_of_pairs.bin(coordinate, index));
             shares[row * columns + column].add(self.is_chaotic(index));
         }
         shares
