@@ -196,7 +196,8 @@ impl<'a> Told<'a> {
         };
         let draw = |name: &str, panels: Vec<_>, title: &str, what: &str| {
             let sheet = Sheet {
-                columns: COLUMNS.min(panels.len()),
+                // four are two by two
+                columns: if panels.len() == 4 { 2 } else { COLUMNS.min(panels.len()) },
                 panels,
                 frame: FRAME,
                 caption: text(what),

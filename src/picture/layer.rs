@@ -256,7 +256,7 @@ impl Layer {
             Self::Marks { colour, .. } | Self::MarkKey { colour, .. } => {
                 let _ = writeln!(
                     svg,
-                    "<circle cx=\"{:.1}\" cy=\"{middle:.1}\" r=\"3.5\" fill=\"{}\"/>",
+                    "<circle cx=\"{:.1}\" cy=\"{middle:.1}\" r=\"3.5\" fill=\"{}\" stroke=\"#808080\" stroke-width=\"0.5\"/>",
                     x + 0.5 * SWATCH,
                     hex(*colour)
                 );

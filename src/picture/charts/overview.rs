@@ -23,6 +23,7 @@ pub fn shares(overview: &Overview<'_>, at: &Fixed) -> Vec<Panel> {
         .flat_map(|(_, shares)| shares)
         .filter(|share| share.all > 0);
     let top = filled.map(|share| share.interval()[1]).fold(0.0, f64::max);
+    let top = (1.05 * top).min(1.0);
     let panels = drawn.iter().enumerate();
     panels
         .map(|(index, (axis, shares))| panel(axis, shares, at, top, index == 0))
