@@ -15,7 +15,10 @@ const STATES: &str = "20000";
 /// Commands of which the same is shown with less work: the option is added.
 const SHORTENED: [(&str, &str); 8] = [
     ("threshold --overlay", "--width 0.03"),
-    ("tribochaos threshold", "--transient-periods 60 --align-periods 20 --periods 64"),
+    (
+        "tribochaos threshold",
+        "--transient-periods 60 --align-periods 20 --periods 64",
+    ),
     ("tribochaos reproduce", "--quick --figure 4.1"),
     ("tribochaos lyapunov", "--no-onset"),
     ("tribochaos bench", "--help"),

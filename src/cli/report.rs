@@ -197,7 +197,11 @@ impl<'a> Told<'a> {
         let draw = |name: &str, panels: Vec<_>, title: &str, what: &str| {
             let sheet = Sheet {
                 // four are two by two
-                columns: if panels.len() == 4 { 2 } else { COLUMNS.min(panels.len()) },
+                columns: if panels.len() == 4 {
+                    2
+                } else {
+                    COLUMNS.min(panels.len())
+                },
                 panels,
                 frame: FRAME,
                 caption: text(what),

@@ -95,7 +95,7 @@ fn explained(values: &[f64], groups: usize, group: impl Fn(usize) -> usize) -> f
 
 /// The sum of squares about the mean of each line along an axis.
 fn left_along(values: &[f64], stride: usize, count: usize) -> f64 {
-    let starts = (0..values.len()).filter(|index| index / stride % count == 0);
+    let starts = (0..values.len()).filter(|index| (index / stride).is_multiple_of(count));
     starts
         .map(|start| {
             let line = || {

@@ -49,11 +49,13 @@ fn found(lattice: &Lattice) -> BTreeSet<Node> {
     lattice.squares().iter().map(|square| square[0]).collect()
 }
 
+#[expect(clippy::unnecessary_wraps, reason = "regions have this form")]
 fn circle([x, y, _]: [f64; 3]) -> Inside {
     Some((x - 0.45).hypot(y - 0.52) < 0.31)
 }
 
 /// A strip, a tenth of a first cell wide, that crosses the circle.
+#[expect(clippy::unnecessary_wraps, reason = "regions have this form")]
 fn circle_and_strip(place: [f64; 3]) -> Inside {
     let [x, y, _] = place;
     let strip = (y - 0.3 * x - 0.2).abs() < 0.0016;
