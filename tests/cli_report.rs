@@ -117,7 +117,7 @@ fn a_report_tells_what_its_store_holds() {
     fails(
         &run(&["report", "other.zarr", "--out", "told"]),
         2,
-        "tells of another experiment",
+        "another experiment",
     );
     fails(
         &run(&["report", "three.zarr", "--at", "zeta_k=6"]),
@@ -180,7 +180,38 @@ fn designs_without_extent_have_a_report() {
     succeeds(&scan(folder.path(), &["--points", "point.csv", "--out", "one.zarr"]));
     succeeds(&tribochaos(folder.path(), &["report", "one.zarr"]));
     let page = fs::read_to_string(folder.path().join("one-report/report.md")).unwrap();
-    assert!(page.contains("all points are alike"), "{page}");
+    assert!(
+        page.contains("all points are alike") && !page.contains("shares.png"),
+        "{page}"
+    );
+    // another list of as many points has another identity
+    fails(
+        &tribochaos(folder.path(), &["report", "one.zarr", "--out", "two-report"]),
+        2,
+        "another experiment",
+    );
+    fs::write(folder.path().join("other.csv"), "zeta_k,h1\n3.1,0.5\n4.1,0.5\n").unwrap();
+    succeeds(&scan(folder.path(), &["--points", "other.csv", "--out", "other.zarr"]));
+    fails(
+        &tribochaos(folder.path(), &["report", "other.zarr", "--out", "two-report"]),
+        2,
+        "another experiment",
+    );
+    fails(
+        &tribochaos(folder.path(), &["report", "other.zarr", "--out", "other.csv"]),
+        2,
+        "is no folder",
+    );
+    // a rate without end
+    fs::write(
+        folder.path().join("rates.csv"),
+        "zeta_k,ramp_rate\n3,inf\n4,10\n3.5,1\n",
+    )
+    .unwrap();
+    succeeds(&scan(folder.path(), &["--points", "rates.csv", "--out", "rates.zarr"]));
+    succeeds(&tribochaos(folder.path(), &["report", "rates.zarr"]));
+    let page = fs::read_to_string(folder.path().join("rates-report/report.md")).unwrap();
+    assert!(page.contains("ramp_rate = 5.5") && !page.contains("NaN"), "{page}");
 }
 
 #[test]

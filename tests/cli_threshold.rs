@@ -66,16 +66,34 @@ fn a_search_is_gone_on_with() {
     );
     let boxes = |object: &Value| object["boxes"].as_array().unwrap().len();
     assert_eq!((boxes(&first), boxes(&finer)), (3, 4));
-    assert!(first["dimension"]["value"].as_f64().unwrap() > 0.8, "{first}");
+    assert!(
+        first["dimension"].is_null() && finer["dimension"].is_null(),
+        "four widths tell no dimension"
+    );
+    let finest = object(&json("0.01", &[]));
+    assert!(finest["dimension"]["value"].as_f64().unwrap() > 0.8, "{finest}");
 
-    fails(&json("0.02", &["--set", "omega_0=2.5"]), "shows another experiment");
+    fails(
+        &json("0.02", &["--set", "omega_0=2.5"]),
+        "belongs to another experiment",
+    );
     fs::remove_file(folder.path().join("border-lyapunov.png")).unwrap();
+    fs::remove_file(folder.path().join("border-border.csv")).unwrap();
     fails(
         &json("0.02", &["--set", "omega_0=2.5"]),
         "omega_0 is 2.0 there and 2.5 here",
     );
     let replaced = object(&json("0.05", &["--set", "omega_0=2.5", "--force"]));
     assert_eq!(replaced["computed_now"], replaced["points"]);
+    // no round of the first search is left in the way of a smaller width
+    object(&json("0.02", &["--set", "omega_0=2.5"]));
+
+    let map = ["map", "--x", "zeta_k=3:5:5", "--y", "h1=0:1.5:5", "--out", "map"];
+    assert!(tribochaos(folder.path(), &[&map[..], SHORT].concat()).status.success());
+    fails(
+        &threshold(folder.path(), &["--width", "0.05", "--out", "map"]),
+        "belongs to another experiment",
+    );
 }
 
 /// Lines of the table lie between a chaotic point of a round and another one, as far apart as a finest cell.

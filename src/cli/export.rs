@@ -60,11 +60,17 @@ pub fn run(args: &ExportArgs) -> Result<(), Failure> {
             missing.info().name
         )));
     }
-    let quantities = if args.quantities.is_empty() {
-        held
-    } else {
-        args.quantities.clone()
-    };
+    let mut quantities = held;
+    if !args.quantities.is_empty() {
+        quantities.clone_from(&args.quantities);
+        let mut seen = Vec::new();
+        quantities.retain(|quantity| {
+            !seen.contains(quantity) && {
+                seen.push(*quantity);
+                true
+            }
+        });
+    }
     outputs::check_writable(&path).map_err(Failure::Input)?;
     let mut table = Table {
         store: &store,

@@ -183,6 +183,12 @@ fn command() -> clap::Command {
         .fold(Cli::command(), |command, (name, defaults, hidden)| {
             command.mut_subcommand(name, |command| request::tell_defaults(command, &defaults, hidden))
         });
+    // these write a store in any case
+    let told = ["scan", "slurm"].into_iter().fold(told, |command, name| {
+        command.mut_subcommand(name, |command| {
+            command.mut_arg("json", |json| json.help("Print one JSON object, besides the store"))
+        })
+    });
     let described: [(&str, Describe); 14] = [
         ("point", describe::<point::PointArgs>),
         ("scan", describe::<scan::ScanArgs>),

@@ -9,8 +9,9 @@ use anyhow::anyhow;
 use clap::Args;
 use pulldown_cmark::{Options, Parser, html};
 use serde_json::json;
+use tribochaos::analysis::overview::coordinate::Places;
 use tribochaos::analysis::overview::{Indices, Margin, Overview, Share};
-use tribochaos::design::{Coordinate, Fixed, Varied};
+use tribochaos::design::{Coordinate, Design, Fixed, Varied};
 use tribochaos::experiment::Experiment;
 use tribochaos::machine::units::{five_digits, si};
 use tribochaos::measure::Quantity;
@@ -53,7 +54,7 @@ const FRAME: [u32; 2] = [330, 240];
 
 /// All that the page tells.
 struct Told<'a> {
-    store: &'a Path,
+    store: &'a Store,
     experiment: &'a Experiment,
     survey: Survey,
     overview: Overview<'a>,
@@ -79,9 +80,9 @@ pub fn run(args: &ReportArgs) -> Result<(), Failure> {
         .clone()
         .unwrap_or_else(|| drawing::with_ending(&name, "-report"));
     let draws = args.out.is_some() || !args.json.wanted();
-    let experiment = store.experiment();
+    let at = point(&store.experiment().design, &args.at)?;
     if draws {
-        check_folder(&folder, &experiment.outline(), args.force)?;
+        check_folder(&folder, store.identity(), args.force)?;
     }
     let survey = Survey::of(&store)?;
     if let Some((unit, what)) = survey.damaged.first() {
@@ -99,7 +100,7 @@ pub fn run(args: &ReportArgs) -> Result<(), Failure> {
     let results = store
         .read_some(&[Quantity::Class, Quantity::Lyapunov])
         .map_err(Failure::run)?;
-    let told = Told::of(&args.store, &results, survey, &args.at)?;
+    let told = Told::of(&store, &results, survey, at);
     if args.json.wanted() {
         args.json.print(&told.object());
     }
@@ -115,44 +116,72 @@ pub fn run(args: &ReportArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Whether the folder is free, or has a report of the same experiment.
-fn check_folder(folder: &Path, outline: &str, force: bool) -> Result<(), Failure> {
-    let page = folder.join("report.md");
-    let is_other = std::fs::read_to_string(&page).is_ok_and(|text| !text.contains(outline));
-    if is_other && !force {
+/// The files of a report.
+const FILES: [&str; 7] = [
+    "report.md",
+    "report.html",
+    "shares.png",
+    "shares.svg",
+    "shares.csv",
+    "pairs.png",
+    "pairs.svg",
+];
+
+/// The line of the page by which a report of the same experiment is known.
+fn signature(identity: &str) -> String {
+    format!("<!-- experiment {identity} -->")
+}
+
+/// Whether the folder has none of the files, or a report of the same experiment.
+fn check_folder(folder: &Path, identity: &str, force: bool) -> Result<(), Failure> {
+    if folder.exists() && !folder.is_dir() {
         return Err(Failure::Input(anyhow!(
-            "{} tells of another experiment: give another --out, or --force to replace it",
-            page.display()
+            "{} is no folder: give another --out",
+            folder.display()
+        )));
+    }
+    let page = std::fs::read(folder.join(FILES[0])).unwrap_or_default();
+    let is_own = String::from_utf8_lossy(&page).contains(&signature(identity));
+    let there = FILES.iter().map(|name| folder.join(name)).find(|path| path.exists());
+    if let (Some(there), false, false) = (there, is_own, force) {
+        return Err(Failure::Input(anyhow!(
+            "{} belongs to something else, or to another experiment: give another --out, or --force to replace it",
+            there.display()
         )));
     }
     // the folder itself is made without a word
     outputs::check_writable(folder).map_err(Failure::Input)
 }
 
-impl<'a> Told<'a> {
-    fn of(store: &'a Path, results: &'a Results, survey: Survey, typed: &[(Coordinate, f64)]) -> Result<Self, Failure> {
-        let overview = Overview::new(results);
-        let extents = overview.extents();
-        let mut at: Vec<f64> = extents.iter().map(|extent| extent.value(0.5)).collect();
-        for &(coordinate, value) in typed {
-            let place = extents.iter().position(|extent| extent.coordinate == coordinate);
-            let Some(place) = place else {
-                let names: Vec<&str> = extents.iter().map(|extent| extent.coordinate.name()).collect();
-                return Err(Failure::Input(anyhow!(
-                    "{coordinate} does not vary in the store: it varies {}",
-                    names.join(", ")
-                )));
-            };
-            let (low, high) = (extents[place].low, extents[place].high);
-            if !(low..=high).contains(&value) {
-                return Err(Failure::Input(anyhow!(
-                    "{coordinate} = {value} lies outside of the store, which has {low} to {high}"
-                )));
-            }
-            at[place] = value;
+/// The values of the coordinates at the point that is looked at: the typed ones, and the middle of each other one.
+fn point(design: &Design, typed: &[(Coordinate, f64)]) -> Result<Vec<f64>, Failure> {
+    let extents = Places::new(design, 1).extents;
+    let mut at: Vec<f64> = extents.iter().map(|extent| extent.value(0.5)).collect();
+    for &(coordinate, value) in typed {
+        let place = extents.iter().position(|extent| extent.coordinate == coordinate);
+        let Some(place) = place else {
+            let names: Vec<&str> = extents.iter().map(|extent| extent.coordinate.name()).collect();
+            return Err(Failure::Input(anyhow!(
+                "{coordinate} does not vary in the store: it varies {}",
+                names.join(", ")
+            )));
+        };
+        let (low, high) = (extents[place].low, extents[place].high);
+        if !(low..=high).contains(&value) {
+            return Err(Failure::Input(anyhow!(
+                "{coordinate} = {value} lies outside of the store, which has {low} to {high}"
+            )));
         }
+        at[place] = value;
+    }
+    Ok(at)
+}
+
+impl<'a> Told<'a> {
+    fn of(store: &'a Store, results: &'a Results, survey: Survey, at: Vec<f64>) -> Self {
+        let overview = Overview::new(results);
         let points = results.experiment.design.len();
-        Ok(Self {
+        Self {
             store,
             experiment: &results.experiment,
             survey,
@@ -161,7 +190,7 @@ impl<'a> Told<'a> {
             margin: (points <= MOST_PLACES).then(|| overview.margin(&at)),
             overview,
             at,
-        })
+        }
     }
 
     fn fixed(&self) -> &Fixed {
@@ -212,7 +241,8 @@ impl<'a> Told<'a> {
         };
         let mut files = Vec::new();
         let shares = charts::shares(&self.overview, self.fixed());
-        if !shares.is_empty() {
+        let has_shares = !shares.is_empty();
+        if has_shares {
             files.extend(draw("shares", shares, "Share of chaos over each coordinate", SHARES)?);
             files.push(self.write_shares(folder)?);
         }
@@ -221,7 +251,7 @@ impl<'a> Told<'a> {
         if has_pairs {
             files.extend(draw("pairs", pairs, "Share of chaos over pairs of coordinates", PAIRS)?);
         }
-        let page = self.page(has_pairs, &toml);
+        let page = self.page(has_shares, has_pairs, &toml);
         let [markdown, web] = ["report.md", "report.html"].map(|name| folder.join(name));
         write_text(&markdown, &page).map_err(Failure::run)?;
         write_text(&web, &to_html(&page)).map_err(Failure::run)?;
@@ -231,10 +261,14 @@ impl<'a> Told<'a> {
 
     fn write_shares(&self, folder: &Path) -> Result<PathBuf, Failure> {
         let path = folder.join("shares.csv");
+        let extents = self.overview.extents().iter().enumerate();
+        let names: Vec<String> = extents
+            .map(|(index, extent)| format!("{} is {}", index + 1, extent.coordinate))
+            .collect();
         let mut comments = vec![
             "share of chaos in each bin of each coordinate, with Wilson's 95 % interval for as many random points"
                 .to_owned(),
-            "coordinate: its number, from 1 on".to_owned(),
+            format!("coordinate: {}", names.join(", ")),
         ];
         comments.extend(csv::experiment_comments(&self.experiment.outline()));
         let columns = ["coordinate", "value", "chaotic", "points", "share", "low", "high"];
@@ -258,11 +292,12 @@ impl<'a> Told<'a> {
         Ok(path)
     }
 
-    fn page(&self, has_pairs: bool, toml: &str) -> String {
+    fn page(&self, has_shares: bool, has_pairs: bool, toml: &str) -> String {
         let mut page = String::new();
-        let _ = writeln!(page, "# Where {} is chaotic\n", self.store.display());
+        let _ = writeln!(page, "# Where {} is chaotic\n", self.store.path().display());
+        let _ = writeln!(page, "{}\n", signature(self.store.identity()));
         let _ = writeln!(page, "{}.\n", caption::capitalised(&words::plan(self.experiment)));
-        self.tell_shares(&mut page, has_pairs);
+        self.tell_shares(&mut page, has_shares, has_pairs);
         self.tell_sensitivity(&mut page);
         self.tell_margin(&mut page);
         self.tell_computation(&mut page);
@@ -270,8 +305,15 @@ impl<'a> Told<'a> {
         page
     }
 
-    fn tell_shares(&self, page: &mut String, has_pairs: bool) {
+    fn tell_shares(&self, page: &mut String, has_shares: bool, has_pairs: bool) {
         let _ = writeln!(page, "## How much of it\n\n{}.\n", self.headline());
+        let states = self.experiment.settings.sampling.initial_states;
+        if states > 1 {
+            let _ = writeln!(
+                page,
+                "A point is chaotic if the motion from at least one of its {states} initial states is.\n"
+            );
+        }
         let _ = writeln!(page, "| motion | points | share |\n| --- | ---: | ---: |");
         let all = self.survey.tally.points();
         for (name, count) in self.survey.tally.kinds() {
@@ -282,10 +324,13 @@ impl<'a> Told<'a> {
         if all < points {
             let _ = writeln!(page, "\n{} of {points} points are not computed yet.", points - all);
         }
-        let _ = writeln!(
-            page,
-            "\n## Along each coordinate\n\n![Shares of chaos over each coordinate](shares.png)\n\n{SHARES}\n"
-        );
+        page.push('\n');
+        if has_shares {
+            let _ = writeln!(
+                page,
+                "## Along each coordinate\n\n![Shares of chaos over each coordinate](shares.png)\n\n{SHARES}\n"
+            );
+        }
         if has_pairs {
             let _ = writeln!(
                 page,
@@ -317,8 +362,11 @@ impl<'a> Told<'a> {
             let _ = writeln!(page, "| {} | {chaos} | {exponent} |", extent.coordinate);
         }
         let how = match &self.experiment.design.varied {
-            Varied::Axes(_) => {
+            Varied::Axes(_) if of_chaos.iter().all(|found| found.total.is_some()) => {
                 "The design is a product of axes: the indices are exactly those of its points, each of which counts as likely as the others."
+            }
+            Varied::Axes(_) => {
+                "Some points of the design are not computed: first-order indices are those of the others, and total indices cannot be told."
             }
             Varied::Points(_) => {
                 "The design is a list of points: first-order indices come from bins of their values, and their standard errors from \
@@ -370,15 +418,22 @@ impl<'a> Told<'a> {
             );
             return;
         };
+        if margin.within == 0 {
+            let _ = writeln!(
+                page,
+                "There is no box around it: the points beside it are chaotic, or not known to be regular.\n"
+            );
+            return;
+        }
         let largest = if margin.is_largest {
-            "largest"
+            "The largest box around it"
         } else {
-            "largest that was found"
+            "The largest box around it that was found (the search was broken off)"
         };
         let _ = writeln!(
             page,
-            "The {largest} box around it in which all computed points are regular or quasi-periodic ({} of them; nothing is known between \
-             them):\n\n| coordinate | from | to |\n| --- | ---: | ---: |",
+            "{largest} in which all computed points are regular or quasi-periodic, by its volume, each side as a part of its range. It has {} \
+             such points; nothing is known between them.\n\n| coordinate | from | to |\n| --- | ---: | ---: |",
             margin.within
         );
         for (&coordinate, ends) in coordinates.iter().zip(room) {

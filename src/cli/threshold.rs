@@ -5,7 +5,7 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use anyhow::anyhow;
+use anyhow::{Context, anyhow};
 use clap::Args;
 use serde_json::json;
 use tribochaos::analysis::threshold::{self, Border, Plan, Round, ThresholdError, dimension};
@@ -17,6 +17,7 @@ use tribochaos::output::{PROGRAM, csv};
 use tribochaos::picture::sheet::Sheet;
 use tribochaos::picture::{Style, caption, charts, drawing};
 use tribochaos::results::Results;
+use tribochaos::store::{Lock, Use};
 
 use super::json::JsonArgs;
 use super::outputs::{self, Outputs};
@@ -208,7 +209,7 @@ impl Rounds<'_> {
             experiment,
             quantities: &Quantity::of_scan(experiment),
             unit,
-            force: self.args.force,
+            force: false,
             alone: false,
         };
         let mut store = wanted.open(&path).map_err(Failure::Input)?;
@@ -247,13 +248,17 @@ impl Files {
                 || shown.design.fixed != experiment.design.fixed
                 || shown.settings != experiment.settings
         };
-        // the same border to another width is none of another experiment
-        let is_other = outputs::shown(&picture).is_none_or(|shown| is_other(&shown));
-        if picture.exists() && is_other && !force {
+        // the same border to another width is none of another experiment; a map under this name is
+        let is_own = files.round(0).exists() && outputs::shown(&picture).is_none_or(|shown| !is_other(&shown));
+        let there = [picture.clone(), files.table()].into_iter().find(|path| path.exists());
+        if let (Some(there), false, false) = (there, is_own, force) {
             return Err(Failure::Input(anyhow!(
-                "{} shows another experiment: give another --out, or --force to replace it",
-                picture.display()
+                "{} belongs to another experiment: give another --out, or --force to replace it",
+                there.display()
             )));
+        }
+        if force {
+            files.remove_rounds().map_err(Failure::Input)?;
         }
         outputs::check_writable(&picture).map_err(Failure::Input)?;
         Ok(files)
@@ -264,6 +269,18 @@ impl Files {
             2 => Outputs::new(&self.name).picture(Quantity::Lyapunov),
             _ => drawing::with_ending(&self.name, ".png"),
         }
+    }
+
+    /// Removes the rounds of an earlier search, of which the new one may need fewer.
+    fn remove_rounds(&self) -> anyhow::Result<()> {
+        for number in (0..).take_while(|&number| self.round(number).exists()) {
+            let round = self.round(number);
+            stores::check_replaceable(&round)?;
+            // refused while another process writes it
+            let _lock = Lock::of_store(&round, Use::Alone)?;
+            std::fs::remove_dir_all(&round).with_context(|| format!("cannot remove {}", round.display()))?;
+        }
+        Ok(())
     }
 
     /// The store of a round.

@@ -237,7 +237,7 @@ pub enum PointsError {
     Incomplete,
     #[error(
         "the values of its {count} points are not in this text, but in the columns of the table or the coordinates of the store that it \
-         comes from: give the store, or write the table with `tribochaos export` and give it as --points"
+         comes from: give the store, or a table of these columns alone as --points"
     )]
     Elsewhere { count: usize },
     #[error(transparent)]

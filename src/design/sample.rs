@@ -111,10 +111,16 @@ impl Side {
 
     /// The value at a share of the way from one end to the other.
     pub fn at(&self, share: f64) -> f64 {
-        if self.log {
+        let value = if self.log {
             self.start * (self.stop / self.start).powf(share)
         } else {
             self.start + (self.stop - self.start) * share
+        };
+        // rounding does not lead out of the side
+        if share >= 1.0 {
+            self.stop
+        } else {
+            value.clamp(self.start, self.stop)
         }
     }
 }

@@ -113,6 +113,9 @@ impl AxisScale {
         if self.is_blank {
             return Vec::new();
         }
+        if !self.listed.is_empty() {
+            return thinned(&self.listed, |ticks| ticks.len() as f64 * 1.5 * TICK_SIZE <= length);
+        }
         if self.is_logarithmic {
             return decades(self.low, self.high);
         }
@@ -128,6 +131,24 @@ impl AxisScale {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn listed_values_are_at_the_ticks_of_both_axes() {
+        let listed: Vec<Tick> = (0..30)
+            .map(|place| Tick {
+                value: f64::from(place),
+                label: format!("{}", 10 * place),
+            })
+            .collect();
+        let scale = AxisScale {
+            listed,
+            ..AxisScale::new("", -0.5, 29.5)
+        };
+        for ticks in [scale.ticks_across(300.0), scale.ticks_up(240.0)] {
+            assert!((3..=15).contains(&ticks.len()));
+            assert!(ticks.iter().all(|tick| tick.label == format!("{}", 10.0 * tick.value)));
+        }
+    }
 
     #[test]
     fn scales_have_an_extent() {

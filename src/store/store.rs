@@ -242,6 +242,11 @@ impl Store {
         &self.experiment
     }
 
+    /// The checksum of the experiment, with the values of a list of points: stores of the same experiment have the same.
+    pub fn identity(&self) -> &str {
+        &self.experiment_sum
+    }
+
     /// The quantities that are stored.
     pub fn quantities(&self) -> Vec<Quantity> {
         let quantities = self.arrays.iter().filter_map(|array| match array.content {

@@ -17,9 +17,9 @@ pub struct Extent {
     pub coordinate: Coordinate,
     /// Whether equal ratios count as equal distances.
     pub is_logarithmic: bool,
-    /// Least value.
+    /// Least value. Infinite values do not count, unless there are no others.
     pub low: f64,
-    /// Greatest value.
+    /// Greatest value, of those that count.
     pub high: f64,
     /// The middle of each bin, rising.
     pub bins: Vec<f64>,
@@ -62,10 +62,12 @@ impl Extent {
             }
         };
         let middles: Vec<f64> = members.iter().map(middle).collect();
-        let of_bins = if bins == count {
-            Some(axis.clone())
-        } else {
-            axis_between(axis.coordinate, is_logarithmic, &middles)
+        let of_bins = match axis.spacing() {
+            _ if bins == count => Some(axis.clone()),
+            Spacing::Listed(_) => Axis::listed(axis.coordinate, middles.clone()).ok(),
+            Spacing::Even { .. } | Spacing::Logarithmic { .. } => {
+                axis_between(axis.coordinate, is_logarithmic, &middles)
+            }
         };
         Self {
             coordinate: axis.coordinate,
@@ -79,7 +81,19 @@ impl Extent {
     }
 
     fn of_column(points: &Points, column: usize, together: u32) -> Self {
-        let [low, high] = points.ends()[column];
+        // a rate may be infinite: it lies at the greatest of the others
+        let finite = || {
+            (0..points.len())
+                .map(|index| points.row(index)[column])
+                .filter(|value| value.is_finite())
+        };
+        let (low, high) = match finite().next() {
+            Some(_) => (
+                finite().fold(f64::INFINITY, f64::min),
+                finite().fold(f64::NEG_INFINITY, f64::max),
+            ),
+            None => (f64::INFINITY, f64::INFINITY),
+        };
         let filled = points.len() as f64 / LEAST_POINTS as f64;
         let bins = (filled.powf(1.0 / f64::from(together)) as usize).clamp(2, MOST_BINS);
         let mut extent = Self {
@@ -102,12 +116,18 @@ impl Extent {
     pub fn part(&self, value: f64) -> f64 {
         let [value, low, high] =
             [value, self.low, self.high].map(|value| if self.is_logarithmic { value.ln() } else { value });
-        if high > low { (value - low) / (high - low) } else { 0.5 }
+        if high > low {
+            ((value - low) / (high - low)).clamp(0.0, 1.0)
+        } else {
+            0.5
+        }
     }
 
     /// The value that lies there.
     pub fn value(&self, part: f64) -> f64 {
-        if self.is_logarithmic {
+        if self.high <= self.low {
+            self.low
+        } else if self.is_logarithmic {
             self.low * (self.high / self.low).powf(part)
         } else {
             self.low + part * (self.high - self.low)

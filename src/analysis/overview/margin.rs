@@ -28,6 +28,9 @@ fn volume(ends: &[[f64; 2]]) -> f64 {
 /// Boxes that are looked at before the search is broken off.
 const MOST_BOXES: usize = 200_000;
 
+/// Comparisons of points with each other, and of points with boxes, before either is broken off: some seconds each.
+const MOST_TESTS: usize = 1_000_000_000;
+
 /// The first box reaches this far beyond the cube, so that the cube's faces belong to it, while an end at a point never does.
 const BEYOND: f64 = 1e-9;
 
@@ -87,7 +90,7 @@ pub fn largest_room(at: &[f64], avoided: &[Vec<f64>]) -> Option<Room> {
         ends: whole,
         number: 0,
     }]);
-    let mut number = 0;
+    let (mut number, mut tests) = (0, 0);
     while let Some(candidate) = open.pop() {
         let Some(point) = first_within(&candidate.ends) else {
             return Some(Room {
@@ -95,7 +98,8 @@ pub fn largest_room(at: &[f64], avoided: &[Vec<f64>]) -> Option<Room> {
                 is_largest: true,
             });
         };
-        if number > MOST_BOXES {
+        tests += near.len();
+        if number > MOST_BOXES || tests > MOST_TESTS {
             // the largest cut each time
             let mut ends = candidate.ends;
             while let Some(point) = first_within(&ends) {
@@ -121,12 +125,12 @@ pub fn largest_room(at: &[f64], avoided: &[Vec<f64>]) -> Option<Room> {
 }
 
 /// The points that lie in no box with `at` that has not another of them: those before which, in every coordinate, no other one stands. The
-/// nearest come first.
+/// nearest come first. Beyond [`MOST_TESTS`] all points are kept.
 fn undominated(at: &[f64], points: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let distance = |point: &[f64]| at.iter().zip(point).map(|(a, b)| (a - b).abs()).sum::<f64>();
     let mut sorted: Vec<&Vec<f64>> = points.iter().collect();
     sorted.sort_by(|one, other| distance(one).total_cmp(&distance(other)));
-    let mut kept: Vec<Vec<f64>> = Vec::new();
+    let (mut kept, mut tests): (Vec<Vec<f64>>, usize) = (Vec::new(), 0);
     for point in sorted {
         let stands_before = |other: &Vec<f64>| {
             (0..at.len()).all(|axis| {
@@ -134,7 +138,8 @@ fn undominated(at: &[f64], points: &[Vec<f64>]) -> Vec<Vec<f64>> {
                 (here.min(there)..=here.max(there)).contains(&other[axis])
             })
         };
-        if !kept.iter().any(stands_before) {
+        tests += kept.len();
+        if tests > MOST_TESTS || !kept.iter().any(stands_before) {
             kept.push(point.clone());
         }
     }

@@ -19,7 +19,8 @@ pub struct Indices {
     pub first: f64,
     /// Its standard error; 0 over a product of axes, which has no chance in it.
     pub first_error: f64,
-    /// The total index; None for a list of points, which does not hold all values of one coordinate at given others.
+    /// The total index; None for a list of points, which does not hold all values of one coordinate at given others, and for a product of
+    /// which some points have no value.
     pub total: Option<f64>,
 }
 
@@ -29,7 +30,7 @@ const MOST_DRAWN: usize = 20_000_000;
 
 /// The indices of each coordinate for values at the points of a design; NaN stands for no value. None where the values do not vary.
 ///
-/// Over a product of axes the indices are those of the points that are there. For a list, the first-order index comes from the bins of
+/// Over a product of axes the indices are those of the points that have a value. For a list, the first-order index comes from the bins of
 /// its values, corrected for the chance differences of their means (Kelley's epsilon squared); its error from bootstrap resamples.
 pub fn indices(places: &Places<'_>, values: &[f64], is_product: bool) -> Option<Vec<Indices>> {
     let known = || values.iter().copied().filter(|value| value.is_finite());
@@ -44,7 +45,7 @@ pub fn indices(places: &Places<'_>, values: &[f64], is_product: bool) -> Option<
         let axes = places.strides().map(|(stride, axis)| Indices {
             first: explained(values, axis, |index| index / stride % axis) / whole,
             first_error: 0.0,
-            total: Some(left_along(values, stride, axis) / whole),
+            total: (count == values.len()).then(|| left_along(values, stride, axis) / whole),
         });
         axes.collect()
     } else {

@@ -14,19 +14,19 @@ pub struct Dimension {
     pub error: f64,
 }
 
-/// Levels that are left out of the fit, if enough are left. The finest boxes are known by their corners alone: a border that bends within
+/// Levels that are left out of the fit. The finest boxes are known by their corners alone: a border that bends within
 /// a box is not seen there, while it is seen in the larger boxes that hold it.
 const LEFT_OUT: usize = 2;
 
 /// Least number of levels of a fit.
 const LEAST: usize = 3;
 
-/// The dimension from the number of boxes of each level; None from fewer than three levels, or without a border.
+/// The dimension from the number of boxes of each level; None from fewer than five levels, or without a border.
 pub fn dimension(boxes: &[usize]) -> Option<Dimension> {
-    if boxes.len() < LEAST || boxes.contains(&0) {
+    if boxes.len() < LEAST + LEFT_OUT || boxes.contains(&0) {
         return None;
     }
-    let boxes = &boxes[..(boxes.len() - LEFT_OUT.min(boxes.len())).max(LEAST)];
+    let boxes = &boxes[..boxes.len() - LEFT_OUT];
     let count = boxes.len() as f64;
     let logarithms: Vec<f64> = boxes.iter().map(|&boxes| (boxes as f64).log2()).collect();
     let middle = 0.5 * (count - 1.0);
@@ -55,13 +55,13 @@ mod tests {
     fn powers_have_their_exponents() {
         let exact = dimension(&[8, 16, 32, 64, 100, 150]).unwrap();
         assert!((exact.value - 1.0).abs() < 1e-12 && exact.error < 1e-12, "{exact:?}");
-        assert_eq!((exact.level, dimension(&[2, 4, 16, 16]).unwrap().level), (3, 2));
-        let bent = dimension(&[2, 4, 16]).unwrap();
+        assert_eq!(exact.level, 3);
+        let bent = dimension(&[2, 4, 16, 16, 16]).unwrap();
         // log2 N = 1, 2, 4: slope 3/2, residuals 1/6, -1/3, 1/6
         assert!((bent.value - 1.5).abs() < 1e-12);
         assert!((bent.error - (1.0f64 / 6.0 / 2.0).sqrt()).abs() < 1e-12, "{bent:?}");
-        assert_eq!(dimension(&[4, 8]), None);
-        assert_eq!(dimension(&[0, 0, 0]), None);
+        assert_eq!(dimension(&[4, 8, 16, 32]), None);
+        assert_eq!(dimension(&[0; 6]), None);
     }
 
     /// Cantor's set has the dimension ln 2 / ln 3; the number of its boxes oscillates about that power.

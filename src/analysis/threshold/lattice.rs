@@ -7,7 +7,8 @@
 //!
 //! 1. a cell whose corners are not all of one kind;
 //! 2. all neighbours of a divided cell in which the kind alternates: somewhere, along a line of three points, the middle one is of
-//!    another kind than both ends. One smooth border through a cell seldom does this; folds, strips and islands do.
+//!    another kind than both ends, or than one of them where the other has none. One smooth border through a cell seldom does this;
+//!    folds, strips and islands do.
 //!
 //! By the second rule the found border is closed: it cannot leave a finest cell through the side of a cell that was not divided.
 
@@ -262,7 +263,11 @@ impl Lattice {
         };
         (0..self.shape.sides).flat_map(lines).any(|line| {
             let [first, middle, last] = line.map(|node| self.kind(node));
-            first.is_some() && first == last && middle.is_some() && middle != first
+            let differs = |end: Inside| end.is_some() && middle.is_some() && end != middle;
+            // a change that the two ends do not show
+            (differs(first) && first == last)
+                || (differs(first) && last.is_none())
+                || (differs(last) && first.is_none())
         })
     }
 

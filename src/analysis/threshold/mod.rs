@@ -44,7 +44,7 @@ impl Plan {
     ///
     /// # Errors
     /// If the box does not have two or three different sides, `width` is below [`Plan::LEAST_WIDTH`] or not below 1 / `first`, or there
-    /// are fewer than 2 first cells or more of them than `most`.
+    /// are fewer than 2 first cells or they have more points than `most`.
     pub fn new(sides: Vec<Side>, width: f64, first: Option<u32>, most: usize) -> Result<Self, ThresholdError> {
         if !(2..=3).contains(&sides.len()) {
             return Err(ThresholdError::Sides { count: sides.len() });
@@ -54,9 +54,9 @@ impl Plan {
             return Err(ThresholdError::Twice { name: twice.name() });
         }
         let first = first.unwrap_or(Self::FIRST[sides.len() - 2]);
-        let cells = f64::from(first).powi(sides.len() as i32);
-        if first < 2 || cells > most as f64 {
-            return Err(ThresholdError::First { first, cells, most });
+        let points = (f64::from(first) + 1.0).powi(sides.len() as i32);
+        if first < 2 || points > most as f64 {
+            return Err(ThresholdError::First { first, points, most });
         }
         let widest = 1.0 / f64::from(first);
         if !(width >= Self::LEAST_WIDTH && width < widest) {
@@ -339,9 +339,9 @@ pub enum ThresholdError {
     #[error("{name} spans two sides of the box: give different parameters")]
     Twice { name: &'static str },
     #[error(
-        "{first} first cells along each side make {cells} cells: it must be at least 2 along each, and at most {most} cells"
+        "{first} first cells along each side have {points} points: there must be at least 2 cells, and at most {most} points"
     )]
-    First { first: u32, cells: f64, most: usize },
+    First { first: u32, points: f64, most: usize },
     #[error(
         "the width {width} is out of range: as a part of each side it must be at least {} and below {widest}, the side of one of the \
          first {first} cells",
@@ -352,9 +352,7 @@ pub enum ThresholdError {
         "the contact wears (k_w > 0), so that its motion is a transient and has no class: there is no border of chaos, set k_w to 0"
     )]
     Wears,
-    #[error(
-        "{points} points would be computed, and at most {most} may be: what is finished is kept; take a greater width, or allow more points"
-    )]
+    #[error("{points} points would be computed, and at most {most} may be: take a greater width, or allow more points")]
     TooMany { points: usize, most: usize },
     #[error(transparent)]
     Axis(#[from] AxisError),

@@ -144,8 +144,8 @@ fn a_smaller_width_begins_with_the_same_points() {
 fn a_sphere_is_found_in_a_cube_plane_by_plane() {
     let shape = Shape {
         sides: 3,
-        first: 8,
-        levels: 3,
+        first: 4,
+        levels: 4,
     };
     let sphere = |[x, y, z]: [f64; 3]| Some((x - 0.5).hypot(y - 0.47).hypot(z - 0.51) < 0.33);
     let (lattice, _) = refined(shape, &sphere);
@@ -175,6 +175,17 @@ fn no_border_passes_beside_points_of_neither_kind() {
     let (lattice, _) = refined(SQUARE, &|[x, ..]| (x < 0.5).then_some(true));
     assert!(lattice.squares().is_empty());
     assert_eq!(dimension(&lattice.boxes()), None);
+}
+
+/// A border that runs towards points of neither kind is followed to them.
+#[test]
+fn a_border_beside_points_of_neither_kind_is_found() {
+    let region = |[x, y, _]: [f64; 3]| {
+        let border = 0.52 - 0.1 * x;
+        (y >= border - 0.02).then_some(y > border)
+    };
+    let (lattice, _) = refined(SQUARE, &region);
+    assert_eq!(found(&lattice), dense(SQUARE, &region));
 }
 
 #[test]
@@ -212,7 +223,7 @@ fn plans_are_checked() {
         (&two, 0.0, None, "out of range"),
         (&two, f64::NAN, None, "out of range"),
         (&two, 0.01, Some(1), "at least 2"),
-        (&two, 1e-6, Some(1000), "1000000 cells"),
+        (&two, 1e-6, Some(1000), "1002001 points"),
     ] {
         let message = plan(texts, width, first).unwrap_err().to_string();
         assert!(message.contains(reason), "{message}");

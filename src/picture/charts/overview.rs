@@ -113,10 +113,19 @@ pub fn pairs(overview: &Overview<'_>, at: &Fixed) -> Vec<Panel> {
             });
         }
     }
+    let has_empty = panels.iter().any(|panel| {
+        let is_empty =
+            |layer: &Layer| matches!(layer, Layer::Cells { colours, .. } if colours.contains(&colour::UNDECIDED));
+        panel.layers.iter().any(is_empty)
+    });
     if let Some(last) = panels.last_mut() {
         last.layers.extend([0, 25, 50, 75, 100].map(|percent| Layer::MarkKey {
             name: format!("{percent} %"),
             colour: colour_of_share(f64::from(percent) / 100.0),
+        }));
+        last.layers.extend(has_empty.then(|| Layer::MarkKey {
+            name: "no point".to_owned(),
+            colour: colour::UNDECIDED,
         }));
     }
     panels
