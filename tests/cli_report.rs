@@ -12,33 +12,10 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::RowAccessor;
 use serde_json::Value;
 
-use crate::program::{text, tribochaos};
-
-const SHORT: &[&str] = &[
-    "--backend",
-    "cpu",
-    "--transient-periods",
-    "60",
-    "--align-periods",
-    "20",
-    "--periods",
-    "64",
-    "--quiet",
-];
+use crate::program::{SHORT, fails, succeeds, tribochaos};
 
 fn scan(folder: &Path, more: &[&str]) -> Output {
-    tribochaos(folder, &[&["scan"], SHORT, more].concat())
-}
-
-fn succeeds(output: &Output) -> String {
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    text(&output.stdout)
-}
-
-fn fails(output: &Output, code: i32, expected: &str) {
-    let said = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "{said}");
-    assert!(said.contains(expected), "{said}");
+    tribochaos(folder, &[&["scan", "--quiet"], SHORT, more].concat())
 }
 
 const THREE: &[&str] = &["--x", "zeta_k=3:5:12", "--x", "h1=0:1.5:8", "--x", "b=log:0.5:2:3"];

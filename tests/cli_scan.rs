@@ -17,19 +17,7 @@ use assert_cmd::cargo::cargo_bin;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::program::{text, tribochaos};
-
-/// The shortest lengths, on the CPU.
-const SHORT: &[&str] = &[
-    "--backend",
-    "cpu",
-    "--transient-periods",
-    "60",
-    "--align-periods",
-    "20",
-    "--periods",
-    "64",
-];
+use crate::program::{SHORT, fails, object, succeeds, text, tribochaos};
 
 /// 960 points over four parameters.
 const AXES: &[&str] = &[
@@ -60,22 +48,6 @@ fn spawn(folder: &Path, store: &str, more: &[&str]) -> Child {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap()
-}
-
-fn succeeds(output: &Output) -> String {
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    text(&output.stdout)
-}
-
-/// Which exit code, and what is said.
-fn fails(output: &Output, code: i32, expected: &str) {
-    let said = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "{said}");
-    assert!(said.contains(expected), "{said}");
-}
-
-fn object(output: &Output) -> Value {
-    serde_json::from_str(&succeeds(output)).unwrap()
 }
 
 /// All files of a store by their paths in it; of marks only that they are there.

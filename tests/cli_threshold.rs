@@ -10,33 +10,11 @@ use std::process::Output;
 
 use serde_json::Value;
 
-use crate::program::{text, tribochaos};
-
-const SHORT: &[&str] = &[
-    "--backend",
-    "cpu",
-    "--transient-periods",
-    "60",
-    "--align-periods",
-    "20",
-    "--periods",
-    "64",
-];
+use crate::program::{SHORT, fails, object, text, tribochaos};
 
 fn threshold(folder: &Path, more: &[&str]) -> Output {
     let sides = ["threshold", "--x", "zeta_k=3:5", "--y", "h1=0:1.5", "--first", "8"];
     tribochaos(folder, &[&sides[..], SHORT, more].concat())
-}
-
-fn object(output: &Output) -> Value {
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    serde_json::from_str(&text(&output.stdout)).unwrap()
-}
-
-fn fails(output: &Output, expected: &str) {
-    let said = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains(expected), "{said}");
 }
 
 /// The same command computes nothing anew, one with a smaller width only what it needs besides; other experiments are not touched.
@@ -75,12 +53,14 @@ fn a_search_is_gone_on_with() {
 
     fails(
         &json("0.02", &["--set", "omega_0=2.5"]),
+        2,
         "belongs to another experiment",
     );
     fs::remove_file(folder.path().join("border-lyapunov.png")).unwrap();
     fs::remove_file(folder.path().join("border-border.csv")).unwrap();
     fails(
         &json("0.02", &["--set", "omega_0=2.5"]),
+        2,
         "omega_0 is 2.0 there and 2.5 here",
     );
     let replaced = object(&json("0.05", &["--set", "omega_0=2.5", "--force"]));
@@ -92,6 +72,7 @@ fn a_search_is_gone_on_with() {
     assert!(tribochaos(folder.path(), &[&map[..], SHORT].concat()).status.success());
     fails(
         &threshold(folder.path(), &["--width", "0.05", "--out", "map"]),
+        2,
         "belongs to another experiment",
     );
 }
@@ -141,7 +122,7 @@ fn bad_boxes_and_widths_are_refused_before_any_work() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |more: &[&str], reason| {
         let sides = ["threshold", "--out", "border"];
-        fails(&tribochaos(folder.path(), &[&sides[..], more].concat()), reason);
+        fails(&tribochaos(folder.path(), &[&sides[..], more].concat()), 2, reason);
     };
     refused(&["--width", "0"], "the width 0 is out of range");
     refused(&["--width", "0.5"], "below 0.03125");

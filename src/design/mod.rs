@@ -154,6 +154,16 @@ impl Design {
         }
     }
 
+    /// Number of points from one value of each axis to the next; empty for a list of points.
+    pub fn strides(&self) -> Vec<usize> {
+        let strides = self.axes().iter().scan(1, |stride, axis| {
+            let own = *stride;
+            *stride *= axis.count();
+            Some(own)
+        });
+        strides.collect()
+    }
+
     /// Number of points.
     pub fn len(&self) -> usize {
         self.varied.len()

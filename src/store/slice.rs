@@ -58,14 +58,7 @@ impl Store {
             request.set.insert(axis.coordinate.name().to_owned(), axis.value(index));
         }
         let mut results = Results::of(request.resolve()?, &self.quantities());
-        let strides: Vec<usize> = all
-            .iter()
-            .scan(1, |stride, axis| {
-                let own = *stride;
-                *stride *= axis.count();
-                Some(own)
-            })
-            .collect();
+        let strides = experiment.design.strides();
         let base: usize = fixed.iter().map(|(&place, &index)| index * strides[place]).sum();
         let [columns, rows] = kept.map(|place| all[place].count());
         let mut by_unit: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();

@@ -8,6 +8,36 @@ use std::process::{Command, Output};
 
 use assert_cmd::cargo::cargo_bin;
 
+/// The shortest lengths of runs, on the CPU.
+pub const SHORT: &[&str] = &[
+    "--backend",
+    "cpu",
+    "--transient-periods",
+    "60",
+    "--align-periods",
+    "20",
+    "--periods",
+    "64",
+];
+
+/// What a command that ends well prints.
+pub fn succeeds(output: &Output) -> String {
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+/// A command ends with this exit code, and says this.
+pub fn fails(output: &Output, code: i32, expected: &str) {
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{said}");
+    assert!(said.contains(expected), "{said}");
+}
+
+/// The object that a command that ends well prints.
+pub fn object(output: &Output) -> serde_json::Value {
+    serde_json::from_str(&succeeds(output)).unwrap()
+}
+
 pub fn tribochaos(folder: &Path, args: &[&str]) -> Output {
     Command::new(cargo_bin!("tribochaos"))
         .current_dir(folder)

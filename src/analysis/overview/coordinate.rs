@@ -157,15 +157,10 @@ pub struct Places<'a> {
 impl<'a> Places<'a> {
     /// Of a design, with bins of `together` coordinates at a time.
     pub fn new(design: &'a Design, together: u32) -> Self {
-        let strides = design.axes().iter().scan(1, |stride, axis| {
-            let own = *stride;
-            *stride *= axis.count();
-            Some(own)
-        });
         Self {
             design,
             extents: Extent::all(design, together),
-            strides: strides.collect(),
+            strides: design.strides(),
         }
     }
 

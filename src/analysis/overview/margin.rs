@@ -124,8 +124,8 @@ pub fn largest_room(at: &[f64], avoided: &[Vec<f64>]) -> Option<Room> {
     None
 }
 
-/// The points that lie in no box with `at` that has not another of them: those before which, in every coordinate, no other one stands. The
-/// nearest come first. Beyond [`MOST_TESTS`] all points are kept.
+/// The points that matter for boxes around `at`, the nearest first. A point does not matter if another one lies between it and `at` in
+/// every coordinate: a box with the farther one then has the nearer one as well. Beyond [`MOST_TESTS`] all points are kept.
 fn undominated(at: &[f64], points: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let distance = |point: &[f64]| at.iter().zip(point).map(|(a, b)| (a - b).abs()).sum::<f64>();
     let mut sorted: Vec<&Vec<f64>> = points.iter().collect();
