@@ -239,6 +239,34 @@ fn slices_add_up_and_sums_are_collected_once() {
     }
 }
 
+/// On a GPU radau carries one tangent vector and no divergence. Its exponents still have an error, which covers the difference from
+/// taylor in f64.
+#[test]
+fn exponents_by_radau_have_an_error_that_covers_theirs() {
+    let Some(context) = gpu_context::open() else { return };
+    let thin = |zeta_k, epsilon_0| {
+        ParameterSet::default()
+            .with(Parameter::ZetaK, zeta_k)
+            .with(Parameter::Epsilon0, epsilon_0)
+    };
+    let points = [thin(2.0, 0.01), thin(2.0, 2e-4), thin(3.9, 0.01), thin(6.0, 1e-3)];
+    let settings = Settings {
+        integration: Scheme::Radau.into(),
+        sampling: Sampling {
+            decide_early: false,
+            ..Sampling::default()
+        },
+    };
+    let on_gpu = measure(&mut GpuBackend::new(context), &settings, &points);
+    let exact = measure(&mut CpuBackend::new(Precision::F64), &Settings::default(), &points);
+    for (m, exact) in on_gpu.iter().zip(&exact) {
+        assert_eq!(m.class, exact.class);
+        assert!(m.scheme_error >= 0.0 && m.lyapunov_error >= m.scheme_error, "{m:?}");
+        let allowed = 3.0 * m.lyapunov_error.hypot(exact.lyapunov_error);
+        assert!((m.lyapunov - exact.lyapunov).abs() <= allowed, "{m:?} {exact:?}");
+    }
+}
+
 #[test]
 fn runaways_are_found_when_they_happen_as_on_the_cpu() {
     let settings = Settings {

@@ -2,6 +2,7 @@
 //!
 //! Owns the evaluation; integrates nothing.
 
+use super::whole_run::sums_all;
 use super::{CONSTANT_GROWTH, Class, Cycle, DEFECT_BOUND, DEFECT_FLOOR, Measurement, Status};
 use crate::backend::{BackendKind, EndState, Sums};
 use crate::dynamics::statistics::{self, Spread};
@@ -101,8 +102,8 @@ impl GrowthSums {
         if let Some(runaway) = runaway(parameters, state, backend) {
             return runaway;
         }
-        if self.total.divergence.is_nan() {
-            return self.rubbed_measurement(ended);
+        if parameters.has_heat_or_wear() || !sums_all(backend, settings) {
+            return self.measurement_of_one_vector(ended);
         }
         let period_time = parameters.forcing_period();
         let time = f64::from(settings.sampling.periods) * period_time;
@@ -218,9 +219,9 @@ impl GrowthSums {
         }
     }
 
-    /// The measurement of a motion with frictional heat or wear. Only one tangent vector is integrated. With wear the motion is
-    /// transient: it has an exponent of finite time and no class.
-    fn rubbed_measurement(&self, ended: &Ended<'_>) -> Measurement {
+    /// The measurement of a motion with one tangent vector and no sum of the divergence: with frictional heat or wear, and by
+    /// radau on a GPU. With wear the motion is transient: it has an exponent of finite time and no class.
+    fn measurement_of_one_vector(&self, ended: &Ended<'_>) -> Measurement {
         let Ended {
             parameters,
             settings,
@@ -231,6 +232,17 @@ impl GrowthSums {
         let growth = self.total.growth[0];
         if !parameters.wears() {
             let measurement = self.settled(ended, self.lasting_measurement(ended, growth / time));
+            let measurement = if parameters.has_heat_or_wear() {
+                measurement
+            } else {
+                // no sum shows what the scheme missed: the comparison with a finer scheme, which follows, does
+                let missed = missed_by_scheme(parameters, ended.backend, measurement.lyapunov, 0.0);
+                Measurement {
+                    lyapunov_error: measurement.lyapunov_error + missed,
+                    scheme_error: missed,
+                    ..measurement
+                }
+            };
             return checked(measurement, !state.under_resolved);
         }
         let interval = state.contact.lost.unwrap_or(time);

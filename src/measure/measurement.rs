@@ -73,11 +73,11 @@ pub struct Measurement {
     pub scheme_error: f64,
     /// The smaller of the two non-trivial exponents; equal to the maximal one where the tangent vectors rotate. NaN with heat or
     /// wear, where the tangent space has more dimensions. NaN also on a limit cycle without a drive: there, one of the two
-    /// exponents is the trivial zero along the flow, which is left out.
+    /// exponents is the trivial zero along the flow, which is left out. NaN by radau on a GPU, which carries one vector only.
     pub lyapunov_second: f64,
     /// Standard error of `lyapunov_second`, by batch means.
     pub lyapunov_second_error: f64,
-    /// Mean divergence of the flow, which the sum of the two exponents equals. NaN with heat or wear.
+    /// Mean divergence of the flow, which the sum of the two exponents equals. NaN with heat or wear, and by radau on a GPU.
     pub divergence: f64,
     /// Weighted Birkhoff average of the maximal exponent; NaN for an exponent of finite time.
     pub lyapunov_birkhoff: f64,

@@ -16,7 +16,7 @@ pub(super) fn measure(
     instances: &[Instance],
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<Vec<Measurement>>, BackendError> {
-    let sums_all = sums_all(backend, settings);
+    let sums_all = sums_all(backend.kind(), settings);
     let measured = if settings.sampling.decide_early && sums_all {
         early::measure(backend, settings, instances, progress)?
     } else {

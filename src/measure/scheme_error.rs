@@ -6,6 +6,7 @@
 
 use std::ops::ControlFlow;
 
+use super::evaluation::checked;
 use super::{Class, Measurement, QUASI_PERIODIC_ERROR, Status, fallback};
 use crate::backend::cpu::CpuBackend;
 use crate::backend::{Backend, BackendError, Instance, Slice, Stage};
@@ -173,7 +174,8 @@ fn compared(measured: &Measurement, finer: &Measurement) -> Measurement {
         _ => measured.lyapunov.abs() > 3.0 * measured.lyapunov_error,
     };
     if share == 0.0 || finer.class == measured.class || stands {
-        return measured;
+        // an error that is no number is none
+        return checked(measured, true);
     }
     Measurement {
         class: Some(Class::Undecided),
@@ -199,6 +201,7 @@ mod tests {
         Measurement {
             class: Some(class),
             lyapunov,
+            lyapunov_birkhoff: lyapunov,
             lyapunov_error: error,
             scheme_error: 0.0,
             period,
@@ -221,6 +224,11 @@ mod tests {
         assert_eq!((other.lyapunov_error, other.class), (0.01, Some(Class::Chaotic)));
         let runaway = Measurement::runaway(3.0, BackendKind::CpuF64);
         assert_eq!(compared(&cycle, &runaway).status, Status::UnderResolved);
+        let unknown = Measurement {
+            scheme_error: f64::NAN,
+            ..cycle
+        };
+        assert_eq!(compared(&unknown, &cycle).status, Status::UnderResolved);
     }
 
     /// If the finer scheme finds another class, the class stands only if the exponent exceeds three errors, or for a torus, if

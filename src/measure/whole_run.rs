@@ -20,8 +20,8 @@ const LONGEST_SLICE: u32 = 16;
 const SAMPLED: u32 = 64;
 
 /// Whether the backend sums up the divergence, which the multipliers need. The GPU's kernel of radau does not.
-pub(super) fn sums_all(backend: &dyn Backend, settings: &Settings) -> bool {
-    settings.integration.scheme != Scheme::Radau || backend.kind() != BackendKind::GpuF32
+pub(super) fn sums_all(backend: BackendKind, settings: &Settings) -> bool {
+    settings.integration.scheme != Scheme::Radau || backend != BackendKind::GpuF32
 }
 
 /// Runs a batch of instances at the full length of the settings, after a run of `elapsed` periods. Either all of the instances
@@ -104,7 +104,7 @@ pub(super) fn measure(
             })
         })
         .collect();
-    if !instances[0].parameters.has_heat_or_wear() && sums_all(backend, settings) {
+    if !instances[0].parameters.has_heat_or_wear() && sums_all(backend.kind(), settings) {
         measure_cycles(backend, settings, instances, &ends, &mut measured)?;
     }
     Ok(Some(measured))

@@ -148,12 +148,8 @@ fn compare(settings: &Settings, point: &ParameterSet, m: &Measurement, truth: &T
             if m.class == Some(Class::Undecided) {
                 return Verdict::Undecided;
             }
-            let stated = if m.lyapunov_error.is_nan() {
-                0.0
-            } else {
-                m.lyapunov_error
-            };
-            let allowed = 3.0 * stated.hypot(error) + 1e-4 * lyapunov.abs().max(1.0);
+            // an error that is NaN agrees with nothing
+            let allowed = 3.0 * m.lyapunov_error.hypot(error) + 1e-4 * lyapunov.abs().max(1.0);
             agreeing((m.lyapunov - lyapunov).abs() <= allowed)
         }
     }
