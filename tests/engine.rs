@@ -19,6 +19,7 @@ use tribochaos::experiment::{Experiment, Precision, Request, Sampling, Settings}
 use tribochaos::map::ParameterMap;
 use tribochaos::measure::{Class, Measurement, Quantity};
 use tribochaos::results::{Results, Tally};
+use tribochaos::store::Store;
 
 fn experiment(x: &str, y: &str, settings: Settings) -> Experiment {
     let request = Request {
@@ -189,6 +190,55 @@ fn a_map_whose_gpu_is_lost_is_finished_on_the_cpu() {
         map(&experiment, &measurements).value(Quantity::Backend, 0),
         f64::from(BackendKind::GpuF32 as u8)
     );
+}
+
+/// A store whose GPU is lost keeps what the GPU finished. The CPU computes the rest, and the store tells which device computed what.
+#[test]
+fn a_store_whose_gpu_is_lost_is_finished_on_the_cpu() {
+    let Some(context) = gpu_context::open() else { return };
+    let settings = Settings {
+        sampling: Sampling {
+            transient_periods: 60,
+            align_periods: 20,
+            periods: 64,
+            ..Sampling::default()
+        },
+        ..Settings::default()
+    };
+    let experiment = experiment("zeta_k=3:5:40", "h1=0.3:1.5:24", settings);
+    let folder = tempfile::tempdir().unwrap();
+    let quantities = [Quantity::Lyapunov, Quantity::Backend];
+    let mut store = Store::create(&folder.path().join("lost.zarr"), &experiment, &quantities, 96).unwrap();
+    let units: Vec<usize> = (0..store.units()).collect();
+    let device = context.device().clone();
+    let mut backends = [Backends::new(
+        Box::new(GpuBackend::new(context)),
+        Some(Box::new(CpuBackend::new(Precision::F64))),
+    )];
+    let (mut finished, mut fell_back) = (0, 0);
+    let work = engine::run_on(&mut backends, &experiment, &mut store, &units, &mut |event| {
+        match event {
+            Event::Finished(_) => {
+                finished += 1;
+                if finished == 4 {
+                    device.destroy();
+                }
+            }
+            Event::FellBack { .. } => fell_back += 1,
+            _ => {}
+        }
+        ControlFlow::Continue(())
+    });
+    assert_eq!((work.unwrap().points, finished, fell_back), (960, units.len(), 1));
+
+    let store = Store::open(store.path()).unwrap();
+    let results = store.read().unwrap();
+    let on = |kind: BackendKind| {
+        let devices = results.values(Quantity::Backend);
+        devices.filter(|&device| device == f64::from(kind as u8)).count()
+    };
+    let by_gpu: usize = units[..4].iter().map(|&unit| store.points(unit).count()).sum();
+    assert_eq!((on(BackendKind::GpuF32), on(BackendKind::CpuF64)), (by_gpu, 960 - by_gpu));
 }
 
 #[test]

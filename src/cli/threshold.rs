@@ -46,7 +46,7 @@ pub struct ThresholdArgs {
     #[arg(long, value_name = "NAME=START:STOP", value_parser = side)]
     z: Option<Side>,
     /// Distance of the points between which the border lies, as a part of each side
-    #[arg(long, value_name = "PART", default_value_t = 1e-3)]
+    #[arg(long, value_name = "PART", default_value_t = 1e-3, allow_negative_numbers = true)]
     width: f64,
     #[arg(long, value_name = "N", help = format!("Cells along each side to begin with [default: {}, with a third side {}]", Plan::FIRST[0], Plan::FIRST[1]))]
     first: Option<u32>,
@@ -423,12 +423,15 @@ fn summary(border: &Border, plan: &Plan, computed: usize, elapsed: Duration) -> 
         },
     );
     format!(
-        "{} points in {} rounds, {computed} of them computed now, in {}: {} of the {} points of a grid of this width\n\
+        "{} points in {}, {computed} of them computed now, in {}: {} of the {} points of a grid of this width\n\
          motion: {}\n\
          border: {} lines; boxes that it passes through: {}\n\
          {dimension}\n",
         border.points(),
-        border.rounds(),
+        match border.rounds() {
+            1 => "one round".to_owned(),
+            rounds => format!("{rounds} rounds"),
+        },
         words::duration(elapsed),
         percent(border.points() as f64 / plan.points_of_grid()),
         plan.points_of_grid(),
