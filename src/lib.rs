@@ -31,7 +31,7 @@
 //! | find onsets, sections, thresholds | [`analysis`] |
 //!
 //! The folder `examples/` has five short programs. All other items are parts of those in the table. The modules `lanes`,
-//! `dynamics`, `backend`, `output` and `studies` are public only for this project's own tests, benchmarks and program, and may
+//! `dynamics`, `backend`, `output`, `studies` and `cli` are public only for this project's own tests, benchmarks and program, and may
 //! change at any time.
 //!
 //! # Features
@@ -61,11 +61,15 @@
 //! - [`output`]: files that are written completely or not at all, and tables of numbers;
 //! - [`store`]: maps on disk as Zarr;
 //! - [`picture`]: maps and charts as PNG and SVG;
-//! - [`studies`]: benchmarks, and the paper's figures and numbers, computed anew.
+//! - [`studies`]: benchmarks, and the paper's figures and numbers, computed anew;
+//! - [`cli`]: the program's commands.
 
 pub mod analysis;
 #[doc(hidden)]
 pub mod backend;
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub mod cli;
 pub mod design;
 #[doc(hidden)]
 pub mod dynamics;

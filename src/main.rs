@@ -1,6 +1,4 @@
-//! The command line program: parse, run, exit code.
-
-mod cli;
+//! The command line program. What it does is in the library's `cli`, which the Python package calls, too.
 
 use std::process::ExitCode;
 
@@ -11,5 +9,5 @@ fn main() -> ExitCode {
         // SAFETY: no other thread runs yet that could read the environment at the same time.
         unsafe { std::env::set_var("XDG_RUNTIME_DIR", std::env::temp_dir()) };
     }
-    cli::main()
+    ExitCode::from(tribochaos::cli::main(std::env::args_os()))
 }

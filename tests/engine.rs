@@ -238,7 +238,10 @@ fn a_store_whose_gpu_is_lost_is_finished_on_the_cpu() {
         devices.filter(|&device| device == f64::from(kind as u8)).count()
     };
     let by_gpu: usize = units[..4].iter().map(|&unit| store.points(unit).count()).sum();
-    assert_eq!((on(BackendKind::GpuF32), on(BackendKind::CpuF64)), (by_gpu, 960 - by_gpu));
+    assert_eq!(
+        (on(BackendKind::GpuF32), on(BackendKind::CpuF64)),
+        (by_gpu, 960 - by_gpu)
+    );
 }
 
 #[test]

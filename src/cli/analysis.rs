@@ -4,19 +4,19 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::backend::BackendError;
+use crate::design::{Axis, Coordinate, Fixed, Points};
+use crate::engine::choice::{self, Choice};
+use crate::engine::{self, initial_states};
+use crate::experiment::{BackendChoice, Experiment, Request};
+use crate::output::csv;
+use crate::parameters::{PARAMETERS, Parameter, ParameterSet};
+use crate::picture::sheet::Sheet;
+use crate::picture::{charts, drawing, png};
 use anyhow::{anyhow, bail};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
-use tribochaos::backend::BackendError;
-use tribochaos::design::{Axis, Coordinate, Fixed, Points};
-use tribochaos::engine::choice::{self, Choice};
-use tribochaos::engine::{self, initial_states};
-use tribochaos::experiment::{BackendChoice, Experiment, Request};
-use tribochaos::output::csv;
-use tribochaos::parameters::{PARAMETERS, Parameter, ParameterSet};
-use tribochaos::picture::sheet::Sheet;
-use tribochaos::picture::{charts, drawing, png};
 
 use super::json::JsonArgs;
 use super::progress::{self, Progress};

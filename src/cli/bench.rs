@@ -2,15 +2,15 @@
 
 use std::time::Duration;
 
+use crate::backend::cpu::InstructionSet;
+use crate::backend::gpu::{GpuBackend, GpuContext};
+use crate::backend::{Backend, BackendError};
+use crate::experiment::{Integration, Precision, Scheme, Settings};
+use crate::output::PROGRAM;
+use crate::studies::benchmark::kernels::{self, Case, Kernel};
+use crate::studies::benchmark::scaling;
 use clap::Args;
 use serde_json::json;
-use tribochaos::backend::cpu::InstructionSet;
-use tribochaos::backend::gpu::{GpuBackend, GpuContext};
-use tribochaos::backend::{Backend, BackendError};
-use tribochaos::experiment::{Integration, Precision, Scheme, Settings};
-use tribochaos::output::PROGRAM;
-use tribochaos::studies::benchmark::kernels::{self, Case, Kernel};
-use tribochaos::studies::benchmark::scaling;
 
 use super::json::JsonArgs;
 use super::{Failure, request};

@@ -3,18 +3,18 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
+use crate::analysis::bifurcation::{Columns, diagram};
+use crate::design::Axis;
+use crate::engine::Event;
+use crate::experiment::Request;
+use crate::output::PROGRAM;
+use crate::parameters::Parameter;
+use crate::picture::caption;
+use crate::picture::charts::{self, Component};
+use crate::picture::sheet::{SINGLE, Sheet};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use tribochaos::analysis::bifurcation::{Columns, diagram};
-use tribochaos::design::Axis;
-use tribochaos::engine::Event;
-use tribochaos::experiment::Request;
-use tribochaos::output::PROGRAM;
-use tribochaos::parameters::Parameter;
-use tribochaos::picture::caption;
-use tribochaos::picture::charts::{self, Component};
-use tribochaos::picture::sheet::{SINGLE, Sheet};
 
 use super::analysis::{self, Claim, OutArgs, StartArgs};
 use super::request::{self, AskedAxis, Checked, ExperimentArgs};

@@ -1,16 +1,16 @@
 //! `devices`: lists the devices that can compute, and checks whether a GPU computes correctly.
 
+use crate::backend::cpu::{self, CpuBackend, InstructionSet};
+use crate::backend::gpu::{GpuBackend, GpuContext, adapters};
+use crate::backend::{Backend, twins};
+use crate::design::Axis;
+use crate::engine::{Backends, audit, choice};
+use crate::experiment::{Precision, Request};
+use crate::map::ParameterMap;
+use crate::output::PROGRAM;
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::{Value, json};
-use tribochaos::backend::cpu::{self, CpuBackend, InstructionSet};
-use tribochaos::backend::gpu::{GpuBackend, GpuContext, adapters};
-use tribochaos::backend::{Backend, twins};
-use tribochaos::design::Axis;
-use tribochaos::engine::{Backends, audit, choice};
-use tribochaos::experiment::{Precision, Request};
-use tribochaos::map::ParameterMap;
-use tribochaos::output::PROGRAM;
 
 use super::json::JsonArgs;
 use super::{Failure, progress, words};
@@ -110,7 +110,7 @@ fn check(adapter: Option<&str>) -> Result<(), Failure> {
     let mut map = ParameterMap::new(experiment).expect("it has two axes");
     let indices: Vec<usize> = (0..map.experiment.design.len()).collect();
     progress::catch_signals();
-    let observer = &mut |_: tribochaos::engine::Event<'_>| progress::until_stopped();
+    let observer = &mut |_: crate::engine::Event<'_>| progress::until_stopped();
     let interrupted = || Failure::Interrupted("the check is not finished".into());
     let measurements = Backends::new(Box::new(gpu), None)
         .measure(&map.experiment.design, &map.experiment.settings, &indices, observer)

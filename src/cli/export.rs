@@ -3,14 +3,14 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
+use crate::engine::Sink;
+use crate::measure::{Quantity, Values};
+use crate::output::whole::write_whole;
+use crate::output::{PROGRAM, csv, parquet};
+use crate::results::Column;
+use crate::store::{Store, StoreError};
 use anyhow::anyhow;
 use clap::Args;
-use tribochaos::engine::Sink;
-use tribochaos::measure::{Quantity, Values};
-use tribochaos::output::whole::write_whole;
-use tribochaos::output::{PROGRAM, csv, parquet};
-use tribochaos::results::Column;
-use tribochaos::store::{Store, StoreError};
 
 use super::{Failure, outputs, request};
 

@@ -4,11 +4,11 @@
 
 use std::path::Path;
 
+use crate::experiment::{Request, Sampling};
+use crate::output::csv;
+use crate::picture::{drawing, png};
+use crate::store::Store;
 use anyhow::{Context, anyhow};
-use tribochaos::experiment::{Request, Sampling};
-use tribochaos::output::csv;
-use tribochaos::picture::{drawing, png};
-use tribochaos::store::Store;
 
 /// Reads the experiment from a file, whose kind is known from its ending, or from the folder of a store. Sampling settings that
 /// the file leaves out are those of `defaults`.

@@ -1,21 +1,21 @@
 //! `history`: one point over time.
 
+use crate::analysis::path::ended;
+use crate::analysis::{History, Sample, history};
+use crate::backend::Contact;
+use crate::design::Fixed;
+use crate::experiment::{BackendChoice, Experiment, Precision, Request, Sampling, Scheme};
+use crate::machine::{Machine, Scale};
+use crate::measure::Status;
+use crate::output::PROGRAM;
+use crate::parameters::Parameter;
+use crate::picture::caption;
+use crate::picture::charts::histories;
+use crate::picture::sheet::Sheet;
 use anyhow::anyhow;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use tribochaos::analysis::path::ended;
-use tribochaos::analysis::{History, Sample, history};
-use tribochaos::backend::Contact;
-use tribochaos::design::Fixed;
-use tribochaos::experiment::{BackendChoice, Experiment, Precision, Request, Sampling, Scheme};
-use tribochaos::machine::{Machine, Scale};
-use tribochaos::measure::Status;
-use tribochaos::output::PROGRAM;
-use tribochaos::parameters::Parameter;
-use tribochaos::picture::caption;
-use tribochaos::picture::charts::histories;
-use tribochaos::picture::sheet::Sheet;
 
 use super::analysis::{self, Claim, OutArgs};
 use super::request::{self, Checked, ExperimentArgs};

@@ -1,19 +1,19 @@
 //! `point --lifetime`: how long chaos lasts from many initial states.
 
+use crate::analysis::lifetime::{Decay, LEAST_LEFT, Survival, exponent};
+use crate::analysis::settling::{self, End, NEAR};
+use crate::design::Coordinate;
+use crate::engine::{Backends, Event, initial_states};
+use crate::experiment::{Experiment, InitialBox, Request, Sampling};
+use crate::machine::Scale;
+use crate::output::PROGRAM;
+use crate::parameters::Parameter;
+use crate::picture::caption;
+use crate::picture::charts::{self, survival};
+use crate::picture::sheet::Sheet;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use tribochaos::analysis::lifetime::{Decay, LEAST_LEFT, Survival, exponent};
-use tribochaos::analysis::settling::{self, End, NEAR};
-use tribochaos::design::Coordinate;
-use tribochaos::engine::{Backends, Event, initial_states};
-use tribochaos::experiment::{Experiment, InitialBox, Request, Sampling};
-use tribochaos::machine::Scale;
-use tribochaos::output::PROGRAM;
-use tribochaos::parameters::Parameter;
-use tribochaos::picture::caption;
-use tribochaos::picture::charts::{self, survival};
-use tribochaos::picture::sheet::Sheet;
 
 use super::analysis::{self, Claim, OutArgs};
 use super::request::{self, Checked};

@@ -3,18 +3,18 @@
 use std::ops::Not;
 use std::time::Instant;
 
+use crate::analysis::exponents::{Line, lines};
+use crate::design::Axis;
+use crate::engine;
+use crate::experiment::{Experiment, Sampling, Settings};
+use crate::measure::{Measurement, Status};
+use crate::output::PROGRAM;
+use crate::parameters::Parameter;
+use crate::picture::sheet::Sheet;
+use crate::picture::{caption, charts};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use tribochaos::analysis::exponents::{Line, lines};
-use tribochaos::design::Axis;
-use tribochaos::engine;
-use tribochaos::experiment::{Experiment, Sampling, Settings};
-use tribochaos::measure::{Measurement, Status};
-use tribochaos::output::PROGRAM;
-use tribochaos::parameters::Parameter;
-use tribochaos::picture::sheet::Sheet;
-use tribochaos::picture::{caption, charts};
 
 use super::analysis::{self, Claim, OutArgs, StartArgs};
 use super::onset::{Outcome, Search};

@@ -3,16 +3,14 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use crate::design::Coordinate;
+use crate::experiment::{Experiment, Request};
+use crate::machine::units::si;
+use crate::machine::{CONSTANTS, MATERIALS, Machine, SI_QUANTITIES, Scale, Sensitivities, TEMPLATE, sensitivities};
+use crate::parameters::Parameter;
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::{Map, Value, json};
-use tribochaos::design::Coordinate;
-use tribochaos::experiment::{Experiment, Request};
-use tribochaos::machine::units::si;
-use tribochaos::machine::{
-    CONSTANTS, MATERIALS, Machine, SI_QUANTITIES, Scale, Sensitivities, TEMPLATE, sensitivities,
-};
-use tribochaos::parameters::Parameter;
 
 use super::json::JsonArgs;
 use super::request::{self, SubjectArgs};
@@ -249,7 +247,7 @@ fn materials() -> String {
 }
 
 fn materials_object() -> Value {
-    let object = |material: &tribochaos::machine::Material| {
+    let object = |material: &crate::machine::Material| {
         let mut object = json!({ "name": material.name, "title": material.title });
         for (quantity, value) in CONSTANTS.iter().zip(material.constants) {
             object[quantity.name()] = value.into();

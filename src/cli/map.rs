@@ -3,17 +3,17 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use crate::design::Axis;
+use crate::engine::audit::{self, Audit};
+use crate::engine::choice::{self, Choice};
+use crate::engine::{self, Backends, EngineError, Sink, Table, Work};
+use crate::experiment::{Experiment, Request};
+use crate::map::ParameterMap;
+use crate::measure::Quantity;
+use crate::picture::{self, Style};
+use crate::store::Store;
 use clap::Args;
 use serde_json::{Value, json};
-use tribochaos::design::Axis;
-use tribochaos::engine::audit::{self, Audit};
-use tribochaos::engine::choice::{self, Choice};
-use tribochaos::engine::{self, Backends, EngineError, Sink, Table, Work};
-use tribochaos::experiment::{Experiment, Request};
-use tribochaos::map::ParameterMap;
-use tribochaos::measure::Quantity;
-use tribochaos::picture::{self, Style};
-use tribochaos::store::Store;
 
 use super::Failure;
 use super::json::JsonArgs;

@@ -1,18 +1,18 @@
 //! `melnikov`: Mel'nikov's function, its extremes and its thresholds.
 
+use crate::analysis::melnikov::{Curve, CurveError, SEARCH_VALUES, default_search, sampled, threshold_curve};
+use crate::design::{Axis, Coordinate, Design, Fixed, Points};
+use crate::experiment::Request;
+use crate::machine::units::si;
+use crate::model::melnikov::{self, Extremes, Melnikov, Threshold};
+use crate::output::PROGRAM;
+use crate::parameters::Parameter;
+use crate::picture::sheet::Sheet;
+use crate::picture::{caption, charts};
 use anyhow::anyhow;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use tribochaos::analysis::melnikov::{Curve, CurveError, SEARCH_VALUES, default_search, sampled, threshold_curve};
-use tribochaos::design::{Axis, Coordinate, Design, Fixed, Points};
-use tribochaos::experiment::Request;
-use tribochaos::machine::units::si;
-use tribochaos::model::melnikov::{self, Extremes, Melnikov, Threshold};
-use tribochaos::output::PROGRAM;
-use tribochaos::parameters::Parameter;
-use tribochaos::picture::sheet::Sheet;
-use tribochaos::picture::{caption, charts};
 
 use super::analysis::{self, Claim, OutArgs};
 use super::request::Checked;

@@ -54,12 +54,12 @@ mod stores;
 mod threshold;
 mod words;
 
-use std::process::ExitCode;
+use std::ffi::OsString;
 
+use crate::backend::BackendError;
+use crate::experiment::{BackendChoice, Request};
 use anyhow::anyhow;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
-use tribochaos::backend::BackendError;
-use tribochaos::experiment::{BackendChoice, Request};
 
 /// Chaos-threshold maps of a rubbing oscillator (Awrejcewicz and Pyryev 2006): Lyapunov exponents and periods over a
 /// plane of parameters, on a GPU or the CPU.
@@ -223,9 +223,11 @@ fn describe<A: Args>(command: clap::Command) -> clap::Command {
     }
 }
 
-pub fn main() -> ExitCode {
+/// Carries out a command line, whose first argument is the name of the program, and returns the exit code: 0 if all is well, 1 after a
+/// failure, 2 for what cannot be carried out, and 128 and its number after a signal.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let parsed = command()
-        .try_get_matches()
+        .try_get_matches_from(arguments)
         .and_then(|matches| Cli::from_arg_matches(&matches));
     let cli = match parsed {
         Ok(cli) => cli,
@@ -262,35 +264,35 @@ pub fn main() -> ExitCode {
         (result, _) => result,
     };
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(Failure::Input(error)) => {
             eprintln!("error: {}", with_causes(&error));
-            ExitCode::from(2)
+            2
         }
         Err(Failure::Run(error)) => {
             eprintln!("error: {}", with_causes(&error));
-            ExitCode::from(1)
+            1
         }
         Err(Failure::Interrupted(message)) => {
             let (name, code) = progress::stopped_by();
             eprintln!("stopped by {name}: {message}");
-            ExitCode::from(code)
+            code
         }
     }
 }
 
 /// Prints the help, the version, or the error in the command line; returns the exit code.
-fn answer(error: &clap::Error) -> ExitCode {
+fn answer(error: &clap::Error) -> u8 {
     let written = error.print();
     if error.use_stderr() {
-        return ExitCode::from(2);
+        return 2;
     }
     print::note(written);
     match print::lost() {
-        None => ExitCode::SUCCESS,
+        None => 0,
         Some(reason) => {
             eprintln!("error: standard output cannot be written: {reason}");
-            ExitCode::from(1)
+            1
         }
     }
 }

@@ -4,13 +4,13 @@
 
 use std::fmt::Write as _;
 
+use crate::analysis::onset::{self, CONFIRMING_PERIODS, Definition, Found, MOST_VALUES, Scan, Scanned, Way};
+use crate::design::{Axis, Design};
+use crate::engine::{self, Backends};
+use crate::experiment::{Experiment, Settings};
+use crate::machine::units::si;
+use crate::picture::{caption, charts};
 use serde_json::{Value, json};
-use tribochaos::analysis::onset::{self, CONFIRMING_PERIODS, Definition, Found, MOST_VALUES, Scan, Scanned, Way};
-use tribochaos::design::{Axis, Design};
-use tribochaos::engine::{self, Backends};
-use tribochaos::experiment::{Experiment, Settings};
-use tribochaos::machine::units::si;
-use tribochaos::picture::{caption, charts};
 
 use super::{Failure, analysis};
 

@@ -5,13 +5,13 @@
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
+use crate::experiment::{Experiment, Request};
+use crate::map::{self, ParameterMap};
+use crate::measure::Quantity;
+use crate::output::csv;
+use crate::output::whole::own_part;
+use crate::picture::{self, Style, png};
 use anyhow::{anyhow, bail};
-use tribochaos::experiment::{Experiment, Request};
-use tribochaos::map::{self, ParameterMap};
-use tribochaos::measure::Quantity;
-use tribochaos::output::csv;
-use tribochaos::output::whole::own_part;
-use tribochaos::picture::{self, Style, png};
 
 use super::json::JsonArgs;
 use super::{Failure, stores, words};

@@ -2,10 +2,10 @@
 //!
 //! Owns what can be asked for; the curve is the library's.
 
+use crate::analysis::melnikov::curve_over_map;
+use crate::experiment::Experiment;
+use crate::picture::Overlay;
 use serde::Deserialize;
-use tribochaos::analysis::melnikov::curve_over_map;
-use tribochaos::experiment::Experiment;
-use tribochaos::picture::Overlay;
 
 use super::Failure;
 

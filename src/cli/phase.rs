@@ -1,16 +1,16 @@
 //! `phase`: the phase plane of one or several orbits.
 
+use crate::analysis::path::{Path, path};
+use crate::design::{Coordinate, Fixed, Points};
+use crate::experiment::{Experiment, Request};
+use crate::measure::Status;
+use crate::output::PROGRAM;
+use crate::parameters::Parameter;
+use crate::picture::sheet::Sheet;
+use crate::picture::{caption, charts};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use tribochaos::analysis::path::{Path, path};
-use tribochaos::design::{Coordinate, Fixed, Points};
-use tribochaos::experiment::{Experiment, Request};
-use tribochaos::measure::Status;
-use tribochaos::output::PROGRAM;
-use tribochaos::parameters::Parameter;
-use tribochaos::picture::sheet::Sheet;
-use tribochaos::picture::{caption, charts};
 
 use super::analysis::{self, Claim, OutArgs, StartArgs};
 use super::request::{self, Checked, ExperimentArgs};

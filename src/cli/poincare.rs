@@ -3,17 +3,17 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
+use crate::analysis::section::{self, ORBITS};
+use crate::design::Coordinate;
+use crate::engine::Event;
+use crate::experiment::{InitialBox, Request, Sampling};
+use crate::output::PROGRAM;
+use crate::picture::layer::Layer;
+use crate::picture::sheet::{SINGLE, Sheet};
+use crate::picture::{caption, charts};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use tribochaos::analysis::section::{self, ORBITS};
-use tribochaos::design::Coordinate;
-use tribochaos::engine::Event;
-use tribochaos::experiment::{InitialBox, Request, Sampling};
-use tribochaos::output::PROGRAM;
-use tribochaos::picture::layer::Layer;
-use tribochaos::picture::sheet::{SINGLE, Sheet};
-use tribochaos::picture::{caption, charts};
 
 use super::analysis::{self, Claim, OutArgs};
 use super::request::{self, Checked, ExperimentArgs};

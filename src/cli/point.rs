@@ -1,12 +1,12 @@
 //! `point`: everything about one point.
 
+use crate::backend::cpu::CpuBackend;
+use crate::dynamics::spectrum::{Spectrum, lyapunov_spectrum};
+use crate::engine::{Backends, choice};
+use crate::experiment::{Experiment, Integration, Precision, Scheme, Settings};
+use crate::measure::{Measurement, Status, is_scheme_to_blame};
 use clap::Args;
 use serde_json::{Map, Value, json};
-use tribochaos::backend::cpu::CpuBackend;
-use tribochaos::dynamics::spectrum::{Spectrum, lyapunov_spectrum};
-use tribochaos::engine::{Backends, choice};
-use tribochaos::experiment::{Experiment, Integration, Precision, Scheme, Settings};
-use tribochaos::measure::{Measurement, Status, is_scheme_to_blame};
 
 use super::analysis::OutArgs;
 use super::lifetime::LifetimeArgs;
@@ -192,7 +192,7 @@ fn print(experiment: &Experiment, m: &Measurement, by_default: Option<&Measureme
     let at = &experiment.design.fixed;
     print_line!(
         "class               {}",
-        m.class.map_or("-", tribochaos::measure::Class::name)
+        m.class.map_or("-", crate::measure::Class::name)
     );
     if m.lyapunov_error.is_nan() {
         print_line!(

@@ -8,11 +8,11 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant, SystemTime};
 
+use crate::engine::Event;
+use crate::results::Tally;
 use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
-use tribochaos::engine::Event;
-use tribochaos::results::Tally;
 
 /// The signal that asked a run to stop; 0 for none.
 static CAUGHT: OnceLock<Arc<AtomicUsize>> = OnceLock::new();
@@ -258,8 +258,8 @@ impl Drop for Progress {
 
 #[cfg(test)]
 mod tests {
-    use tribochaos::Measurement;
-    use tribochaos::backend::BackendKind;
+    use crate::measure::Measurement;
+    use crate::backend::BackendKind;
 
     use super::*;
 

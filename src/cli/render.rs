@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
+use crate::map::ParameterMap;
+use crate::measure::Quantity;
+use crate::picture::Style;
+use crate::picture::colour::ColourScale;
+use crate::store::Store;
 use anyhow::bail;
 use clap::Args;
-use tribochaos::map::ParameterMap;
-use tribochaos::measure::Quantity;
-use tribochaos::picture::Style;
-use tribochaos::picture::colour::ColourScale;
-use tribochaos::store::Store;
 
 use super::json::JsonArgs;
 use super::outputs::{self, Outputs};

@@ -5,22 +5,22 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use crate::analysis::overview::coordinate::Places;
+use crate::analysis::overview::{Indices, Margin, Overview, Share};
+use crate::design::{Coordinate, Design, Fixed, Varied};
+use crate::experiment::Experiment;
+use crate::machine::units::{five_digits, si};
+use crate::measure::Quantity;
+use crate::output::whole::write_text;
+use crate::output::{PROGRAM, csv};
+use crate::picture::sheet::Sheet;
+use crate::picture::{caption, charts, drawing};
+use crate::results::Results;
+use crate::store::Store;
 use anyhow::anyhow;
 use clap::Args;
 use pulldown_cmark::{Options, Parser, html};
 use serde_json::json;
-use tribochaos::analysis::overview::coordinate::Places;
-use tribochaos::analysis::overview::{Indices, Margin, Overview, Share};
-use tribochaos::design::{Coordinate, Design, Fixed, Varied};
-use tribochaos::experiment::Experiment;
-use tribochaos::machine::units::{five_digits, si};
-use tribochaos::measure::Quantity;
-use tribochaos::output::whole::write_text;
-use tribochaos::output::{PROGRAM, csv};
-use tribochaos::picture::sheet::Sheet;
-use tribochaos::picture::{caption, charts, drawing};
-use tribochaos::results::Results;
-use tribochaos::store::Store;
 
 use super::json::JsonArgs;
 use super::status::Survey;

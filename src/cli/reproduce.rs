@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use crate::studies::paper::{Effort, FIGURES, Figure, Files};
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::{Value, json};
-use tribochaos::studies::paper::{Effort, FIGURES, Figure, Files};
 
 use super::json::JsonArgs;
 use super::progress;

@@ -6,20 +6,20 @@ use std::fmt::{Display, Write as _};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
+use crate::design::{Axis, Coordinate};
+use crate::dynamics::stroboscope::LEAST_WINDOW;
+use crate::experiment::{
+    BackendChoice, Device, Experiment, InitialBox, Integration, Precision, Preset, Request, Sampling, Scheme,
+};
+use crate::machine::{Description, governing};
+use crate::measure::{CHAOTIC_GROWTH, DEFECT_BOUND, DEFECT_FLOOR, QUASI_PERIODIC_BOUND, QUASI_PERIODIC_ERROR};
+use crate::model::motion::RUNAWAY_BOUND;
+use crate::parameters::{PARAMETERS, Parameter};
 use anyhow::{Context, anyhow};
 use clap::Args;
 use serde::de::value::{Error as ValueError, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
 use serde::{Deserialize, Serialize};
-use tribochaos::design::{Axis, Coordinate};
-use tribochaos::dynamics::stroboscope::LEAST_WINDOW;
-use tribochaos::experiment::{
-    BackendChoice, Device, Experiment, InitialBox, Integration, Precision, Preset, Request, Sampling, Scheme,
-};
-use tribochaos::machine::{Description, governing};
-use tribochaos::measure::{CHAOTIC_GROWTH, DEFECT_BOUND, DEFECT_FLOOR, QUASI_PERIODIC_BOUND, QUASI_PERIODIC_ERROR};
-use tribochaos::model::motion::RUNAWAY_BOUND;
-use tribochaos::parameters::{PARAMETERS, Parameter};
 
 use super::{Failure, from};
 

@@ -3,14 +3,14 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use crate::design::{Axis, Plan, Points, Sample, Side};
+use crate::engine::{self, Backends, Part, Sink, choice};
+use crate::experiment::{Experiment, Request};
+use crate::measure::Quantity;
+use crate::store::{self, Store};
 use anyhow::{Context, anyhow};
 use clap::Args;
 use serde_json::json;
-use tribochaos::design::{Axis, Plan, Points, Sample, Side};
-use tribochaos::engine::{self, Backends, Part, Sink, choice};
-use tribochaos::experiment::{Experiment, Request};
-use tribochaos::measure::Quantity;
-use tribochaos::store::{self, Store};
 
 use super::json::JsonArgs;
 use super::progress::{self, Progress};

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
+use crate::design::Coordinate;
+use crate::measure::Quantity;
+use crate::picture::Style;
+use crate::store::Store;
 use clap::Args;
-use tribochaos::design::Coordinate;
-use tribochaos::measure::Quantity;
-use tribochaos::picture::Style;
-use tribochaos::store::Store;
 
 use super::json::JsonArgs;
 use super::outputs::{self, Outputs};

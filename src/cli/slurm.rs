@@ -6,10 +6,10 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::output::PROGRAM;
+use crate::output::whole::write_text;
 use anyhow::{Context, anyhow};
 use clap::Args;
-use tribochaos::output::PROGRAM;
-use tribochaos::output::whole::write_text;
 
 use super::Failure;
 use super::scan::{Prepared, ScanArgs};

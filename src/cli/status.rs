@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use crate::engine::{self, Condition, Sink, choice};
+use crate::results::Tally;
+use crate::store::{Lock, Store, Use};
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
-use tribochaos::engine::{self, Condition, Sink, choice};
-use tribochaos::results::Tally;
-use tribochaos::store::{Lock, Store, Use};
 
 use super::json::JsonArgs;
 use super::progress::{self, Progress};

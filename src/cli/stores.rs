@@ -7,12 +7,12 @@ use std::path::Path;
 use std::thread::sleep;
 use std::time::Duration;
 
+use crate::engine::{Backends, Cause, EngineError, Sink, estimate};
+use crate::experiment::{Experiment, Request};
+use crate::measure::Quantity;
+use crate::output::PROGRAM;
+use crate::store::{self, Lock, Store, StoreError, Use};
 use anyhow::{Context, anyhow, bail};
-use tribochaos::engine::{Backends, Cause, EngineError, Sink, estimate};
-use tribochaos::experiment::{Experiment, Request};
-use tribochaos::measure::Quantity;
-use tribochaos::output::PROGRAM;
-use tribochaos::store::{self, Lock, Store, StoreError, Use};
 
 use super::words::bytes;
 use super::{Failure, request, with_causes, words};

@@ -5,19 +5,19 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use crate::analysis::threshold::{self, Border, Plan, Round, ThresholdError, dimension};
+use crate::design::{Axis, Side};
+use crate::engine::{self, Backends, EngineError, Sink, Table, choice};
+use crate::experiment::{Experiment, Request};
+use crate::measure::Quantity;
+use crate::output::{PROGRAM, csv};
+use crate::picture::sheet::Sheet;
+use crate::picture::{Style, caption, charts, drawing};
+use crate::results::Results;
+use crate::store::{Lock, Use};
 use anyhow::{Context, anyhow};
 use clap::Args;
 use serde_json::json;
-use tribochaos::analysis::threshold::{self, Border, Plan, Round, ThresholdError, dimension};
-use tribochaos::design::{Axis, Side};
-use tribochaos::engine::{self, Backends, EngineError, Sink, Table, choice};
-use tribochaos::experiment::{Experiment, Request};
-use tribochaos::measure::Quantity;
-use tribochaos::output::{PROGRAM, csv};
-use tribochaos::picture::sheet::Sheet;
-use tribochaos::picture::{Style, caption, charts, drawing};
-use tribochaos::results::Results;
-use tribochaos::store::{Lock, Use};
 
 use super::json::JsonArgs;
 use super::outputs::{self, Outputs};

@@ -3,16 +3,16 @@
 use std::fmt::Write as _;
 use std::time::Duration;
 
+use crate::design::{Coordinate, Spacing, Varied};
+use crate::engine::audit::Audit;
+use crate::engine::choice::Choice;
+use crate::engine::{self, Backends, Work};
+use crate::experiment::{Experiment, Scheme, Settings};
+use crate::machine::units::si;
+use crate::map::{self, ParameterMap};
+use crate::measure::{Class, Quantity, is_scheme_to_blame};
+use crate::results::Tally;
 use serde_json::{Value, json};
-use tribochaos::design::{Coordinate, Spacing, Varied};
-use tribochaos::engine::audit::Audit;
-use tribochaos::engine::choice::Choice;
-use tribochaos::engine::{self, Backends, Work};
-use tribochaos::experiment::{Experiment, Scheme, Settings};
-use tribochaos::machine::units::si;
-use tribochaos::map::{self, ParameterMap};
-use tribochaos::measure::{Class, Quantity, is_scheme_to_blame};
-use tribochaos::results::Tally;
 
 /// The plan of an experiment, in one line.
 pub fn plan(experiment: &Experiment) -> String {

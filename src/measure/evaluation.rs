@@ -2,12 +2,11 @@
 //!
 //! Owns the evaluation; integrates nothing.
 
-use super::whole_run::sums_all;
 use super::{CONSTANT_GROWTH, Class, Cycle, DEFECT_BOUND, DEFECT_FLOOR, Measurement, Status};
 use crate::backend::{BackendKind, EndState, Sums};
 use crate::dynamics::statistics::{self, Spread};
 use crate::dynamics::stroboscope;
-use crate::experiment::Settings;
+use crate::experiment::{Scheme, Settings};
 use crate::parameters::{Parameter, ParameterSet};
 
 /// Where growth alternates between bands, batch means give too small an error until the orbit has left the order of the bands
@@ -47,6 +46,11 @@ pub(super) fn runaway(parameters: &ParameterSet, end: &EndState, backend: Backen
         y: end.y,
         ..Measurement::runaway(time, backend)
     })
+}
+
+/// Whether the backend sums up the divergence, which the multipliers need. The GPU's kernel of radau does not.
+pub(super) fn sums_all(backend: BackendKind, settings: &Settings) -> bool {
+    settings.integration.scheme != Scheme::Radau || backend != BackendKind::GpuF32
 }
 
 impl GrowthSums {
@@ -347,7 +351,6 @@ mod tests {
     use super::*;
     use crate::backend::Contact;
     use crate::experiment::Sampling;
-    use crate::experiment::Scheme;
 
     /// With heat there are no multipliers: the motion before the cycle is left out of the mean.
     #[test]

@@ -4,8 +4,8 @@
 
 use std::ops::ControlFlow;
 
-use super::whole_run::{self, sums_all};
-use super::{Measurement, early, undriven};
+use super::evaluation::sums_all;
+use super::{Measurement, early, undriven, whole_run};
 use crate::backend::{Backend, BackendError, Instance};
 use crate::experiment::Settings;
 

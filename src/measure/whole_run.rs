@@ -7,22 +7,17 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 
 use super::cycle::{self, Candidate};
-use super::evaluation::{Ended, GrowthSums};
+use super::evaluation::{Ended, GrowthSums, sums_all};
 use super::{Measurement, Status};
-use crate::backend::{Backend, BackendError, BackendKind, EndState, Instance, Slice, Stage, Sums};
+use crate::backend::{Backend, BackendError, EndState, Instance, Slice, Stage, Sums};
 use crate::dynamics::statistics;
-use crate::experiment::{Scheme, Settings};
+use crate::experiment::Settings;
 
 /// Longest slice, so that progress shows and a run can be cancelled.
 const LONGEST_SLICE: u32 = 16;
 
 /// Batches of the measurement that begin before this period are summed up period by period, to get the scatter of single periods.
 const SAMPLED: u32 = 64;
-
-/// Whether the backend sums up the divergence, which the multipliers need. The GPU's kernel of radau does not.
-pub(super) fn sums_all(backend: BackendKind, settings: &Settings) -> bool {
-    settings.integration.scheme != Scheme::Radau || backend != BackendKind::GpuF32
-}
 
 /// Runs a batch of instances at the full length of the settings, after a run of `elapsed` periods. Either all of the instances
 /// wear, or none does.
