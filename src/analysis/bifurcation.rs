@@ -8,7 +8,7 @@ use super::Progress;
 use super::orbits::{is_bounded, stroboscopic_states};
 use crate::backend::{Backend, BackendError, Instance};
 use crate::design::{Axis, Design, Fixed};
-use crate::experiment::Settings;
+use crate::experiment::{Experiment, Settings};
 
 /// Where the orbits of a column begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -21,6 +21,25 @@ pub enum Columns {
     /// Each column begins where the column at the next higher value ended. Where the diagram differs from that of
     /// [`Columns::FollowUp`], attractors coexist.
     FollowDown,
+}
+
+/// Columns that follow each other carry the angle and the speed of the bush along, and nothing else.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "--follow carries the angle and the speed of the bush from column to column, not the heat of the shaft: leave --follow out, \
+     or set gamma = 0"
+)]
+pub struct HeatIsLost;
+
+impl Columns {
+    /// # Errors
+    /// [`HeatIsLost`] if the columns follow each other, and the shaft heats.
+    pub fn check(self, experiment: &Experiment) -> Result<(), HeatIsLost> {
+        if self != Self::Fresh && experiment.has_heat_or_wear() {
+            return Err(HeatIsLost);
+        }
+        Ok(())
+    }
 }
 
 /// Stroboscopic states at drive phase 0, column by column.

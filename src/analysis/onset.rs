@@ -9,7 +9,7 @@
 //! longer run excludes chaos that ends. Chaos is not monotone in a parameter, so that the range is scanned, never bisected.
 
 use crate::backend::BackendError;
-use crate::design::{Axis, Coordinate, Design, Fixed};
+use crate::design::{Axis, Coordinate, Design, DesignError, Fixed};
 use crate::engine::{Backends, Observer};
 use crate::experiment::{Sampling, Scheme, Settings};
 use crate::measure::{Class, Measurement, Status};
@@ -112,6 +112,54 @@ pub fn count(axis: &Axis, spacing: f64) -> f64 {
     ((high - low) / spacing + TOLERANCE).floor() + 1.0
 }
 
+/// The spacing that was asked for, or the default for the axis.
+///
+/// # Errors
+/// If the spacing gives fewer than two values, or too many, in the range of the axis.
+pub fn checked_spacing(axis: &Axis, asked: Option<f64>) -> Result<f64, SpacingError> {
+    let Some(spacing) = asked else {
+        return Ok(default_spacing(axis));
+    };
+    let range = rounded((axis.last() - axis.first()).abs());
+    let values = count(axis, spacing);
+    // written so that NaN is refused; a spacing as large as the range gives two values
+    if !(spacing > 0.0 && values >= 2.0) {
+        return Err(SpacingError::Range { spacing, range });
+    }
+    if values > MOST_VALUES as f64 {
+        return Err(SpacingError::TooFine {
+            spacing,
+            values,
+            range,
+            least: rounded(range / (MOST_VALUES - 1) as f64),
+        });
+    }
+    Ok(spacing)
+}
+
+/// A number without the digits that rounding errors fill.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.9e}").parse().unwrap_or(value)
+}
+
+/// Why a spacing does not fit an axis.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages tell what each is")]
+pub enum SpacingError {
+    #[error("--onset-spacing {spacing} is out of range: it must be positive, and no more than the axis' range {range}")]
+    Range { spacing: f64, range: f64 },
+    #[error(
+        "--onset-spacing {spacing:e} makes {values} values on the axis' range {range}, from each initial state (at most \
+         {MOST_VALUES}): use {least:e} or more, or an axis with a smaller range"
+    )]
+    TooFine {
+        spacing: f64,
+        values: f64,
+        range: f64,
+        least: f64,
+    },
+}
+
 /// Part of a spacing by which an end of the range may differ from a multiple that counts as equal to it.
 const TOLERANCE: f64 = 1e-6;
 
@@ -184,7 +232,56 @@ struct Point {
     start: usize,
 }
 
+/// Where chaos begins or ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Bound {
+    /// The direction in which it was looked for.
+    pub way: Way,
+    /// What was found.
+    pub scanned: Scanned,
+    /// Whether the first value of the scan is already chaotic, so that the bound lies outside the fine grid.
+    pub is_beyond: bool,
+}
+
 impl Scan<'_> {
+    /// # Errors
+    /// If a machine is not valid at some value of the fine grid.
+    pub fn check(&self) -> Result<(), DesignError> {
+        // a machine was checked at the values of the axis, but not between them
+        Design::product(vec![self.axis.clone()], *self.at).extents().map(|_| ())
+    }
+
+    /// Onset and end: the first values with chaos from both ends of the axis. None if the observer broke it off.
+    ///
+    /// # Errors
+    /// If the backend fails and no fall-back is left.
+    pub fn bounds(
+        &self,
+        backends: &mut Backends,
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<[Bound; 2]>, BackendError> {
+        let Some(up) = self.first(Way::Up, backends, observer)? else {
+            return Ok(None);
+        };
+        // without an onset there is no end
+        let down = if up.found.is_some() {
+            self.first(Way::Down, backends, observer)?
+        } else {
+            Some(up)
+        };
+        let bound = |way, scanned: Scanned, extreme: f64| Bound {
+            way,
+            scanned,
+            is_beyond: scanned.found.is_some_and(|found| found.value == extreme),
+        };
+        Ok(down.map(|down| {
+            [
+                bound(Way::Up, up, self.axis.first()),
+                bound(Way::Down, down, self.axis.last()),
+            ]
+        }))
+    }
+
     /// The first value, going up or down, with chaos from some initial state. Chaos that does not last for [`CONFIRMING_PERIODS`]
     /// is passed over. None if the observer broke it off.
     ///

@@ -8,19 +8,39 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use super::Progress;
 use super::orbits::{is_bounded, stroboscopic_states};
 use crate::backend::{Backend, BackendError, Instance};
-use crate::experiment::Settings;
+use crate::experiment::{Sampling, Settings};
 use crate::parameters::ParameterSet;
 
 /// Orbits that share the work: enough to fill the lanes of all cores, few enough for the transients not to take most of it.
-pub const ORBITS: u32 = 2048;
+const ORBITS: u32 = 2048;
 
 /// Half the side of the square of initial states around (x0, y0). It is so small that nearly all orbits reach the same attractor,
 /// and so large that the orbits on a chaotic attractor part within some tens of periods.
 pub const SPREAD: f64 = 1e-3;
 
-/// Forcing periods that each of the orbits needs for `points` in all.
-pub fn periods(points: u64, orbits: u32) -> u32 {
-    points.div_ceil(orbits.into()).try_into().unwrap_or(u32::MAX)
+/// How a section of so many states is divided.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan {
+    /// Orbits that share the work; fewer for a small section.
+    pub orbits: u32,
+    /// Forcing periods for each of the orbits.
+    periods: u32,
+}
+
+impl Plan {
+    /// The plan for at least `points` states.
+    pub fn new(points: u64) -> Self {
+        let orbits = u32::try_from(points.div_ceil(64)).unwrap_or(ORBITS).clamp(1, ORBITS);
+        Self {
+            orbits,
+            periods: points.div_ceil(orbits.into()).try_into().unwrap_or(u32::MAX),
+        }
+    }
+
+    /// The periods that an experiment for it must have: a measurement needs more than a small section.
+    pub fn measured_periods(self) -> u32 {
+        self.periods.max(Sampling::LEAST_PERIODS)
+    }
 }
 
 /// States of an attractor at drive phase 0.
@@ -85,7 +105,7 @@ mod tests {
         let settings = Settings {
             sampling: Sampling {
                 transient_periods: 200,
-                periods: periods(4000, 100),
+                periods: 40,
                 ..Sampling::default()
             },
             ..Settings::default()

@@ -4,15 +4,6 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::backend::BackendError;
-use crate::design::{Axis, Coordinate, Fixed, Points};
-use crate::engine::choice::{self, Choice};
-use crate::engine::{self, initial_states};
-use crate::experiment::{BackendChoice, Experiment, Request};
-use crate::output::csv;
-use crate::parameters::{PARAMETERS, Parameter, ParameterSet};
-use crate::picture::sheet::Sheet;
-use crate::picture::{charts, drawing, png};
 use anyhow::{anyhow, bail};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -22,6 +13,15 @@ use super::json::JsonArgs;
 use super::progress::{self, Progress};
 use super::request::{Checked, ExperimentArgs, SubjectArgs};
 use super::{Failure, outputs};
+use crate::backend::BackendError;
+use crate::design::{Axis, Coordinate, Fixed, Points};
+use crate::engine::choice::{self, Choice};
+use crate::engine::{self, initial_states};
+use crate::experiment::{BackendChoice, Experiment, Request};
+use crate::output::csv;
+use crate::parameters::{PARAMETERS, Parameter, ParameterSet};
+use crate::picture::sheet::Sheet;
+use crate::picture::{charts, drawing, png};
 
 /// Where results go.
 #[derive(Args)]
@@ -145,32 +145,12 @@ pub fn defaults() -> Request {
 
 /// The experiment of a request in which no initial state may vary. Prints the warnings of the experiment.
 pub fn resolve(request: &Request) -> Result<Experiment, Failure> {
-    let varied = request.axes.iter().flatten().map(|axis| axis.coordinate);
-    let listed = request
-        .points
-        .iter()
-        .flat_map(|points| points.coordinates().iter().copied());
-    if let Some(coordinate) = varied.chain(listed).find(|&coordinate| is_initial(coordinate)) {
-        return Err(Failure::Input(anyhow!(
-            "{coordinate} is varied: give initial states by --start, or use `map`, whose axes they can be"
-        )));
-    }
     let experiment = request.resolve().map_err(Failure::input)?;
+    experiment.check_start_fixed().map_err(Failure::input)?;
     for warning in experiment.warnings() {
         eprintln!("warning: {warning}");
     }
     Ok(experiment)
-}
-
-/// # Errors
-/// If the contact wears: there is no attractor whose states could be shown.
-pub fn check_lasting(wears: bool) -> Result<(), Failure> {
-    if wears {
-        return Err(Failure::Input(anyhow!(
-            "with wear all motion is transient, and has no attractor to draw: set k_w = 0 (of a machine, wear_coefficient = 0)"
-        )));
-    }
-    Ok(())
 }
 
 pub fn choose(experiment: &Experiment) -> Result<Choice, Failure> {

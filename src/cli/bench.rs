@@ -2,6 +2,11 @@
 
 use std::time::Duration;
 
+use clap::Args;
+use serde_json::json;
+
+use super::json::JsonArgs;
+use super::{Failure, request};
 use crate::backend::cpu::InstructionSet;
 use crate::backend::gpu::{GpuBackend, GpuContext};
 use crate::backend::{Backend, BackendError};
@@ -9,11 +14,6 @@ use crate::experiment::{Integration, Precision, Scheme, Settings};
 use crate::output::PROGRAM;
 use crate::studies::benchmark::kernels::{self, Case, Kernel};
 use crate::studies::benchmark::scaling;
-use clap::Args;
-use serde_json::json;
-
-use super::json::JsonArgs;
-use super::{Failure, request};
 
 #[derive(Args)]
 pub struct BenchArgs {

@@ -3,6 +3,13 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use super::analysis::{self, Claim, OutArgs, StartArgs};
+use super::request::{self, AskedAxis, Checked, ExperimentArgs};
+use super::{Failure, words};
 use crate::analysis::bifurcation::{Columns, diagram};
 use crate::design::Axis;
 use crate::engine::Event;
@@ -12,13 +19,6 @@ use crate::parameters::Parameter;
 use crate::picture::caption;
 use crate::picture::charts::{self, Component};
 use crate::picture::sheet::{SINGLE, Sheet};
-use clap::Args;
-use serde::{Deserialize, Serialize};
-use serde_json::json;
-
-use super::analysis::{self, Claim, OutArgs, StartArgs};
-use super::request::{self, AskedAxis, Checked, ExperimentArgs};
-use super::{Failure, words};
 
 /// The name of the command in files.
 const COMMAND: &str = "bifurcation";
@@ -109,13 +109,8 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
         )));
     }
     let columns = options.follow.unwrap_or(Columns::Fresh);
-    analysis::check_lasting(experiment.wears())?;
-    if columns != Columns::Fresh && experiment.has_heat_or_wear() {
-        return Err(Failure::Input(anyhow::anyhow!(
-            "--follow carries the angle and the speed of the bush from column to column, not the heat of the shaft: leave \
-             --follow out, or set gamma = 0"
-        )));
-    }
+    experiment.check_lasting().map_err(Failure::input)?;
+    columns.check(&experiment).map_err(Failure::input)?;
     let mut files = Claim::new(&args.out, "outputs/bifurcation", &[""], &written)?;
     let mut backends = analysis::choose(&experiment)?.backends;
 

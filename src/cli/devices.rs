@@ -1,5 +1,11 @@
 //! `devices`: lists the devices that can compute, and checks whether a GPU computes correctly.
 
+use anyhow::anyhow;
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::json::JsonArgs;
+use super::{Failure, progress, words};
 use crate::backend::cpu::{self, CpuBackend, InstructionSet};
 use crate::backend::gpu::{GpuBackend, GpuContext, adapters};
 use crate::backend::{Backend, twins};
@@ -8,12 +14,6 @@ use crate::engine::{Backends, audit, choice};
 use crate::experiment::{Precision, Request};
 use crate::map::ParameterMap;
 use crate::output::PROGRAM;
-use anyhow::anyhow;
-use clap::Args;
-use serde_json::{Value, json};
-
-use super::json::JsonArgs;
-use super::{Failure, progress, words};
 
 #[derive(Args)]
 pub struct DevicesArgs {

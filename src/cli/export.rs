@@ -3,16 +3,16 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
+use anyhow::anyhow;
+use clap::Args;
+
+use super::{Failure, outputs, request};
 use crate::engine::Sink;
 use crate::measure::{Quantity, Values};
 use crate::output::whole::write_whole;
 use crate::output::{PROGRAM, csv, parquet};
 use crate::results::Column;
 use crate::store::{Store, StoreError};
-use anyhow::anyhow;
-use clap::Args;
-
-use super::{Failure, outputs, request};
 
 #[derive(Args)]
 pub struct ExportArgs {

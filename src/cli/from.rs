@@ -4,11 +4,12 @@
 
 use std::path::Path;
 
+use anyhow::{Context, anyhow};
+
 use crate::experiment::{Request, Sampling};
 use crate::output::csv;
 use crate::picture::{drawing, png};
 use crate::store::Store;
-use anyhow::{Context, anyhow};
 
 /// Reads the experiment from a file, whose kind is known from its ending, or from the folder of a store. Sampling settings that
 /// the file leaves out are those of `defaults`.

@@ -1,5 +1,13 @@
 //! `history`: one point over time.
 
+use anyhow::anyhow;
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::analysis::{self, Claim, OutArgs};
+use super::request::{self, Checked, ExperimentArgs};
+use super::{Failure, si};
 use crate::analysis::path::ended;
 use crate::analysis::{History, Sample, history};
 use crate::backend::Contact;
@@ -12,14 +20,6 @@ use crate::parameters::Parameter;
 use crate::picture::caption;
 use crate::picture::charts::histories;
 use crate::picture::sheet::Sheet;
-use anyhow::anyhow;
-use clap::Args;
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-
-use super::analysis::{self, Claim, OutArgs};
-use super::request::{self, Checked, ExperimentArgs};
-use super::{Failure, si};
 
 /// The name of the command in files.
 const COMMAND: &str = "history";

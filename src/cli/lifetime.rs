@@ -1,5 +1,12 @@
 //! `point --lifetime`: how long chaos lasts from many initial states.
 
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::analysis::{self, Claim, OutArgs};
+use super::request::{self, Checked};
+use super::{Failure, si};
 use crate::analysis::lifetime::{Decay, LEAST_LEFT, Survival, exponent};
 use crate::analysis::settling::{self, End, NEAR};
 use crate::design::Coordinate;
@@ -11,13 +18,6 @@ use crate::parameters::Parameter;
 use crate::picture::caption;
 use crate::picture::charts::{self, survival};
 use crate::picture::sheet::Sheet;
-use clap::Args;
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-
-use super::analysis::{self, Claim, OutArgs};
-use super::request::{self, Checked};
-use super::{Failure, si};
 
 #[derive(Args, Clone, Copy, Serialize, Deserialize)]
 #[command(next_help_heading = "Lifetime of chaos")]
@@ -61,7 +61,7 @@ impl LifetimeArgs {
         let Some(states) = self.lifetime else {
             return Ok(None);
         };
-        analysis::check_lasting(experiment.wears())?;
+        experiment.check_lasting().map_err(Failure::input)?;
         if !experiment.design.point(0).is_driven() {
             return Err(Failure::Input(anyhow::anyhow!(
                 "without a drive (zeta_k = 0, or no friction) there is no chaos whose lifetime could be told: leave --lifetime out"

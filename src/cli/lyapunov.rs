@@ -3,6 +3,14 @@
 use std::ops::Not;
 use std::time::Instant;
 
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::analysis::{self, Claim, OutArgs, StartArgs};
+use super::onset::{Outcome, Search};
+use super::request::{self, AskedAxis, Checked, ExperimentArgs};
+use super::{Failure, words};
 use crate::analysis::exponents::{Line, lines};
 use crate::design::Axis;
 use crate::engine;
@@ -12,14 +20,6 @@ use crate::output::PROGRAM;
 use crate::parameters::Parameter;
 use crate::picture::sheet::Sheet;
 use crate::picture::{caption, charts};
-use clap::Args;
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-
-use super::analysis::{self, Claim, OutArgs, StartArgs};
-use super::onset::{Outcome, Search};
-use super::request::{self, AskedAxis, Checked, ExperimentArgs};
-use super::{Failure, words};
 
 /// The name of the command in files.
 const COMMAND: &str = "lyapunov";

@@ -3,11 +3,6 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use crate::design::Coordinate;
-use crate::experiment::{Experiment, Request};
-use crate::machine::units::si;
-use crate::machine::{CONSTANTS, MATERIALS, Machine, SI_QUANTITIES, Scale, Sensitivities, TEMPLATE, sensitivities};
-use crate::parameters::Parameter;
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::{Map, Value, json};
@@ -15,6 +10,11 @@ use serde_json::{Map, Value, json};
 use super::json::JsonArgs;
 use super::request::{self, SubjectArgs};
 use super::{Failure, analysis};
+use crate::design::Coordinate;
+use crate::experiment::{Experiment, Request};
+use crate::machine::units::si;
+use crate::machine::{CONSTANTS, MATERIALS, Machine, SI_QUANTITIES, Scale, Sensitivities, TEMPLATE, sensitivities};
+use crate::parameters::Parameter;
 
 /// Prints the dimensionless parameters, the scales that convert results to SI units, warnings of unlikely values, and the
 /// logarithmic sensitivities d ln(group)/d ln(quantity): by how many per cent a group changes if a quantity changes by one per

@@ -3,15 +3,6 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use crate::design::Axis;
-use crate::engine::audit::{self, Audit};
-use crate::engine::choice::{self, Choice};
-use crate::engine::{self, Backends, EngineError, Sink, Table, Work};
-use crate::experiment::{Experiment, Request};
-use crate::map::ParameterMap;
-use crate::measure::Quantity;
-use crate::picture::{self, Style};
-use crate::store::Store;
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -21,8 +12,17 @@ use super::outputs::Outputs;
 use super::overlay::{self, Theory};
 use super::progress::{self, Progress};
 use super::request::{self, AskedAxis, ExperimentArgs};
-use super::stores::{self, Wanted};
+use super::stores;
 use super::words;
+use crate::design::Axis;
+use crate::engine::audit::{self, Audit};
+use crate::engine::choice::{self, Choice};
+use crate::engine::{self, Backends, EngineError, Sink, Table, Work};
+use crate::experiment::{Experiment, Request};
+use crate::map::ParameterMap;
+use crate::measure::Quantity;
+use crate::picture::{self, Style};
+use crate::store::{Store, Wanted};
 
 #[derive(Args)]
 #[command(after_long_help = request::help())]
@@ -117,13 +117,13 @@ pub fn run(args: &MapArgs) -> Result<(), Failure> {
     if args.dry_run {
         outputs.check(&experiment, args.force).map_err(Failure::Input)?;
         print_line!("{}\n{}", words::plan(&experiment), words::device(&choice));
-        return wanted.dry_run(&outputs.store(), &mut choice.backends, 1);
+        return stores::dry_run(&wanted, &outputs.store(), &mut choice.backends, 1);
     }
     if args.json.wanted() && request.out.is_none() {
         return run_in_memory(&experiment, choice, args.json);
     }
     outputs.check(&experiment, args.force).map_err(Failure::Input)?;
-    let mut store = wanted.open(&outputs.store()).map_err(Failure::Input)?;
+    let mut store = stores::open(&wanted, &outputs.store())?;
     let is_for_people = !args.json.wanted();
     if is_for_people {
         print_line!("{}\n{}", words::plan(&experiment), words::device(&choice));

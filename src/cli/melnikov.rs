@@ -1,14 +1,5 @@
 //! `melnikov`: Mel'nikov's function, its extremes and its thresholds.
 
-use crate::analysis::melnikov::{Curve, CurveError, SEARCH_VALUES, default_search, sampled, threshold_curve};
-use crate::design::{Axis, Coordinate, Design, Fixed, Points};
-use crate::experiment::Request;
-use crate::machine::units::si;
-use crate::model::melnikov::{self, Extremes, Melnikov, Threshold};
-use crate::output::PROGRAM;
-use crate::parameters::Parameter;
-use crate::picture::sheet::Sheet;
-use crate::picture::{caption, charts};
 use anyhow::anyhow;
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -18,6 +9,15 @@ use super::analysis::{self, Claim, OutArgs};
 use super::request::Checked;
 use super::request::SubjectArgs;
 use super::{Failure, request};
+use crate::analysis::melnikov::{Curve, CurveError, SEARCH_VALUES, default_search, sampled, threshold_curve};
+use crate::design::{Axis, Coordinate, Design, Fixed, Points};
+use crate::experiment::Request;
+use crate::machine::units::si;
+use crate::model::melnikov::{self, Extremes, Melnikov, Threshold};
+use crate::output::PROGRAM;
+use crate::parameters::Parameter;
+use crate::picture::sheet::Sheet;
+use crate::picture::{caption, charts};
 
 /// The name of the command in files.
 const COMMAND: &str = "melnikov";

@@ -56,10 +56,11 @@ mod words;
 
 use std::ffi::OsString;
 
-use crate::backend::BackendError;
-use crate::experiment::{BackendChoice, Request};
 use anyhow::anyhow;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+
+use crate::backend::BackendError;
+use crate::experiment::{BackendChoice, Request};
 
 /// Chaos-threshold maps of a rubbing oscillator (Awrejcewicz and Pyryev 2006): Lyapunov exponents and periods over a
 /// plane of parameters, on a GPU or the CPU.

@@ -4,15 +4,15 @@
 
 use std::fmt::Write as _;
 
-use crate::analysis::onset::{self, CONFIRMING_PERIODS, Definition, Found, MOST_VALUES, Scan, Scanned, Way};
-use crate::design::{Axis, Design};
+use serde_json::{Value, json};
+
+use super::{Failure, analysis};
+use crate::analysis::onset::{self, Bound, CONFIRMING_PERIODS, Definition, Found, Scan, Scanned, Way};
+use crate::design::Axis;
 use crate::engine::{self, Backends};
 use crate::experiment::{Experiment, Settings};
 use crate::machine::units::si;
 use crate::picture::{caption, charts};
-use serde_json::{Value, json};
-
-use super::{Failure, analysis};
 
 /// A search for chaos, with checked settings.
 pub struct Search {
@@ -29,43 +29,6 @@ pub enum Outcome {
     Searched(Search, Box<[Bound; 2]>),
 }
 
-/// Where chaos begins or ends.
-#[derive(Clone, Copy)]
-pub struct Bound {
-    way: Way,
-    scanned: Scanned,
-    /// Whether the first value of the scan is already chaotic, so that the bound lies outside the fine grid.
-    is_beyond: bool,
-}
-
-/// The spacing that was asked for, or the default for the axis.
-///
-/// # Errors
-/// If the spacing gives fewer than two values, or too many, in the range of the axis.
-fn spacing(asked: Option<f64>, axis: &Axis) -> Result<f64, Failure> {
-    let Some(spacing) = asked else {
-        return Ok(onset::default_spacing(axis));
-    };
-    let range = (axis.last() - axis.first()).abs();
-    let values = onset::count(axis, spacing);
-    // written so that NaN is refused; a spacing as large as the range gives two values
-    if !(spacing > 0.0 && values >= 2.0) {
-        return Err(Failure::Input(anyhow::anyhow!(
-            "--onset-spacing {spacing} is out of range: it must be positive, and no more than the axis' range {}",
-            charts::rounded(range)
-        )));
-    }
-    if values > MOST_VALUES as f64 {
-        return Err(Failure::Input(anyhow::anyhow!(
-            "--onset-spacing {spacing:e} makes {values} values on the axis' range {}, from each initial state (at most \
-             {MOST_VALUES}): use {:e} or more, or an axis with a smaller range",
-            charts::rounded(range),
-            charts::rounded(range / (MOST_VALUES - 1) as f64)
-        )));
-    }
-    Ok(spacing)
-}
-
 impl Search {
     /// The search over the axis of an experiment.
     ///
@@ -73,12 +36,16 @@ impl Search {
     /// If the spacing does not fit the axis, or the machine is not valid at some value of the fine grid.
     pub fn new(asked: Option<f64>, experiment: &Experiment, settings: &Settings) -> Result<Self, Failure> {
         let axis = &experiment.design.axes()[0];
-        let spacing = spacing(asked, axis)?;
+        let spacing = onset::checked_spacing(axis, asked).map_err(Failure::input)?;
         let fine = onset::fine_axis(axis, spacing);
-        // the machine was checked at the values of the axis, but not between them
-        let grid = Design::product(vec![fine.clone()], experiment.design.fixed);
-        grid.extents().map_err(Failure::input)?;
         let definition = Definition::new(settings);
+        let scan = Scan {
+            definition: &definition,
+            at: &experiment.design.fixed,
+            axis: fine.clone(),
+            starts: &[],
+        };
+        scan.check().map_err(Failure::input)?;
         Ok(Self {
             definition,
             spacing,
@@ -105,27 +72,7 @@ impl Search {
         // an estimate: the values between onset and end are skipped, and the confirming runs come in addition
         let points = self.fine.count() * starts.len();
         let work = engine::instance_periods(&self.definition.settings, points);
-        let [up, down] = analysis::compute(work, points, |observer| {
-            let Some(up) = scan.first(Way::Up, backends, observer)? else {
-                return Ok(None);
-            };
-            // without an onset there is no end
-            let down = if up.found.is_some() {
-                scan.first(Way::Down, backends, observer)?
-            } else {
-                Some(up)
-            };
-            Ok(down.map(|down| [up, down]))
-        })?;
-        let bound = |way, scanned: Scanned, extreme: f64| Bound {
-            way,
-            scanned,
-            is_beyond: scanned.found.is_some_and(|found| found.value == extreme),
-        };
-        let bounds = [
-            bound(Way::Up, up, self.fine.first()),
-            bound(Way::Down, down, self.fine.last()),
-        ];
+        let bounds = analysis::compute(work, points, |observer| scan.bounds(backends, observer))?;
         Ok(Outcome::Searched(self, Box::new(bounds)))
     }
 
@@ -143,17 +90,20 @@ impl Search {
     }
 }
 
-impl Bound {
+/// What is said of a bound.
+struct Told<'a>(&'a Bound);
+
+impl Told<'_> {
     /// The name of the value at which the scan started, for a bound outside the fine grid.
     fn extreme(&self) -> &'static str {
-        match self.way {
+        match self.0.way {
             Way::Up => "lowest",
             Way::Down => "highest",
         }
     }
 
     fn verb(&self) -> &'static str {
-        match self.way {
+        match self.0.way {
             Way::Up => "begins",
             Way::Down => "ends",
         }
@@ -164,7 +114,7 @@ impl Bound {
             found,
             passed,
             unmeasured,
-        } = self.scanned;
+        } = self.0.scanned;
         let Some(found) = found else {
             return match unmeasured {
                 0 => "none of the initial states leads to chaos on the axis".to_owned(),
@@ -180,7 +130,7 @@ impl Bound {
             unit => format!(" {unit}"),
         };
         let value = charts::rounded(found.value);
-        let place = if self.is_beyond {
+        let place = if self.0.is_beyond {
             format!("chaos at the {} value, {coordinate} = {value}{unit}", self.extreme())
         } else {
             let spacing = charts::rounded(search.spacing);
@@ -204,10 +154,10 @@ impl Bound {
     }
 
     fn object(&self, search: &Search) -> Value {
-        match self.scanned.found {
-            None if self.scanned.unmeasured > 0 => json!("unknown"),
+        match self.0.scanned.found {
+            None if self.0.scanned.unmeasured > 0 => json!("unknown"),
             None => json!("never"),
-            Some(_) if self.is_beyond => json!(format!("at_{}", self.extreme())),
+            Some(_) if self.0.is_beyond => json!(format!("at_{}", self.extreme())),
             Some(found) => json!({
                 "value": charts::rounded(found.value),
                 "uncertainty": search.spacing,
@@ -254,9 +204,9 @@ impl Outcome {
             Self::Searched(search, bounds) => (search, bounds),
         };
         let [onset, end] = &**bounds;
-        let mut words = format!("onset: {}", onset.words(search, experiment));
+        let mut words = format!("onset: {}", Told(onset).words(search, experiment));
         if end.scanned.found.is_some() {
-            let _ = write!(words, "\nend:   {}", end.words(search, experiment));
+            let _ = write!(words, "\nend:   {}", Told(end).words(search, experiment));
         }
         words + &format!("\n       {}", search.method())
     }
@@ -276,11 +226,11 @@ impl Outcome {
             Some(found) if !bound.is_beyond => {
                 format!(
                     "{} at {} (dashed)",
-                    bound.verb(),
+                    Told(bound).verb(),
                     caption::assigned(at, coordinate, charts::rounded(found.value))
                 )
             }
-            _ => format!("is there at the {} value", bound.extreme()),
+            _ => format!("is there at the {} value", Told(bound).extreme()),
         };
         match self.least() {
             Some(_) => format!("Chaos, {grid}, {} and {}. ", told(onset), told(end)),
@@ -293,7 +243,7 @@ impl Outcome {
     pub fn objects(&self) -> [Value; 2] {
         match self {
             Self::Left(_) => [Value::Null, Value::Null],
-            Self::Searched(search, bounds) => [0, 1].map(|index| bounds[index].object(search)),
+            Self::Searched(search, bounds) => [0, 1].map(|index| Told(&bounds[index]).object(search)),
         }
     }
 }

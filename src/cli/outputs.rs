@@ -5,16 +5,17 @@
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
+use anyhow::{anyhow, bail};
+
+use super::json::JsonArgs;
+use super::{Failure, words};
 use crate::experiment::{Experiment, Request};
 use crate::map::{self, ParameterMap};
 use crate::measure::Quantity;
 use crate::output::csv;
 use crate::output::whole::own_part;
 use crate::picture::{self, Style, png};
-use anyhow::{anyhow, bail};
-
-use super::json::JsonArgs;
-use super::{Failure, stores, words};
+use crate::store::check_replaceable;
 
 /// Checks before any work that a file can be written at `path`, whose folders need not exist yet. For this, creates a temporary
 /// file in the nearest existing folder, and removes it again.
@@ -82,7 +83,7 @@ impl Outputs {
     pub fn check(&self, experiment: &Experiment, force: bool) -> anyhow::Result<()> {
         self.check_place(experiment)?;
         if force {
-            stores::check_replaceable(&self.store())
+            Ok(check_replaceable(&self.store())?)
         } else if self.store().exists() {
             Ok(())
         } else {

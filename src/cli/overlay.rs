@@ -2,12 +2,12 @@
 //!
 //! Owns what can be asked for; the curve is the library's.
 
-use crate::analysis::melnikov::curve_over_map;
-use crate::experiment::Experiment;
-use crate::picture::Overlay;
 use serde::Deserialize;
 
 use super::Failure;
+use crate::analysis::melnikov::curve_over_map;
+use crate::experiment::Experiment;
+use crate::picture::Overlay;
 
 /// A theory that gives a curve over a map.
 #[derive(Clone, Copy, Debug, Deserialize)]

@@ -1,5 +1,12 @@
 //! `phase`: the phase plane of one or several orbits.
 
+use clap::Args;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::analysis::{self, Claim, OutArgs, StartArgs};
+use super::request::{self, Checked, ExperimentArgs};
+use super::{Failure, words};
 use crate::analysis::path::{Path, path};
 use crate::design::{Coordinate, Fixed, Points};
 use crate::experiment::{Experiment, Request};
@@ -8,13 +15,6 @@ use crate::output::PROGRAM;
 use crate::parameters::Parameter;
 use crate::picture::sheet::Sheet;
 use crate::picture::{caption, charts};
-use clap::Args;
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-
-use super::analysis::{self, Claim, OutArgs, StartArgs};
-use super::request::{self, Checked, ExperimentArgs};
-use super::{Failure, words};
 
 /// The name of the command in files.
 const COMMAND: &str = "phase";
@@ -74,7 +74,7 @@ pub fn run(args: &PhaseArgs) -> Result<(), Failure> {
     if args.experiment.subject.prints(&written) {
         return Ok(());
     }
-    analysis::check_lasting(experiment.wears())?;
+    experiment.check_lasting().map_err(Failure::input)?;
     let (settings, starts) = (&experiment.settings, &options.start.start);
     let count = experiment.design.len() * starts.len();
     if count > MOST_ORBITS {

@@ -3,14 +3,6 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use crate::analysis::section::{self, ORBITS};
-use crate::design::Coordinate;
-use crate::engine::Event;
-use crate::experiment::{InitialBox, Request, Sampling};
-use crate::output::PROGRAM;
-use crate::picture::layer::Layer;
-use crate::picture::sheet::{SINGLE, Sheet};
-use crate::picture::{caption, charts};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -18,6 +10,14 @@ use serde_json::json;
 use super::analysis::{self, Claim, OutArgs};
 use super::request::{self, Checked, ExperimentArgs};
 use super::{Failure, words};
+use crate::analysis::section;
+use crate::design::Coordinate;
+use crate::engine::Event;
+use crate::experiment::{InitialBox, Request};
+use crate::output::PROGRAM;
+use crate::picture::layer::Layer;
+use crate::picture::sheet::{SINGLE, Sheet};
+use crate::picture::{caption, charts};
 
 /// The name of the command in files.
 const COMMAND: &str = "poincare";
@@ -95,11 +95,11 @@ pub fn run(args: &PoincareArgs) -> Result<(), Failure> {
     let mut request = args.experiment.request(Some(COMMAND), &defaults(), [])?;
     let options = request::options(&args.options, &request)?;
     let asked = options.points.unwrap_or(POINTS);
-    let orbits = u32::try_from(asked.div_ceil(64)).unwrap_or(ORBITS).min(ORBITS);
-    // a measurement needs more periods than a small section
-    request.sampling.periods = section::periods(asked, orbits).max(Sampling::LEAST_PERIODS);
+    let plan = section::Plan::new(asked);
+    let orbits = plan.orbits;
+    request.sampling.periods = plan.measured_periods();
     let experiment = analysis::resolve(&request)?;
-    analysis::check_lasting(experiment.wears())?;
+    experiment.check_lasting().map_err(Failure::input)?;
     let written = request::written(COMMAND, &experiment, &options);
     if args.experiment.subject.prints(&written) {
         return Ok(());

@@ -1,10 +1,5 @@
 //! `point`: everything about one point.
 
-use crate::backend::cpu::CpuBackend;
-use crate::dynamics::spectrum::{Spectrum, lyapunov_spectrum};
-use crate::engine::{Backends, choice};
-use crate::experiment::{Experiment, Integration, Precision, Scheme, Settings};
-use crate::measure::{Measurement, Status, is_scheme_to_blame};
 use clap::Args;
 use serde_json::{Map, Value, json};
 
@@ -12,6 +7,11 @@ use super::analysis::OutArgs;
 use super::lifetime::LifetimeArgs;
 use super::request::{self, ExperimentArgs};
 use super::{Failure, analysis, progress, si, words};
+use crate::backend::cpu::CpuBackend;
+use crate::dynamics::spectrum::{Spectrum, lyapunov_spectrum};
+use crate::engine::{Backends, choice};
+use crate::experiment::{Experiment, Integration, Precision, Scheme, Settings};
+use crate::measure::{Measurement, Status, is_scheme_to_blame};
 
 /// The name of the command in files.
 const COMMAND: &str = "point";

@@ -8,11 +8,12 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant, SystemTime};
 
-use crate::engine::Event;
-use crate::results::Tally;
 use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
+
+use crate::engine::Event;
+use crate::results::Tally;
 
 /// The signal that asked a run to stop; 0 for none.
 static CAUGHT: OnceLock<Arc<AtomicUsize>> = OnceLock::new();
@@ -258,8 +259,8 @@ impl Drop for Progress {
 
 #[cfg(test)]
 mod tests {
-    use crate::measure::Measurement;
     use crate::backend::BackendKind;
+    use crate::measure::Measurement;
 
     use super::*;
 

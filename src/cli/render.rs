@@ -2,11 +2,6 @@
 
 use std::path::PathBuf;
 
-use crate::map::ParameterMap;
-use crate::measure::Quantity;
-use crate::picture::Style;
-use crate::picture::colour::ColourScale;
-use crate::store::Store;
 use anyhow::bail;
 use clap::Args;
 
@@ -14,6 +9,11 @@ use super::json::JsonArgs;
 use super::outputs::{self, Outputs};
 use super::overlay::{self, Theory};
 use super::{Failure, request, words};
+use crate::map::ParameterMap;
+use crate::measure::Quantity;
+use crate::picture::Style;
+use crate::picture::colour::ColourScale;
+use crate::store::Store;
 
 #[derive(Args)]
 pub struct RenderArgs {

@@ -5,6 +5,14 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use anyhow::anyhow;
+use clap::Args;
+use pulldown_cmark::{Options, Parser, html};
+use serde_json::json;
+
+use super::json::JsonArgs;
+use super::status::Survey;
+use super::{Failure, outputs, request, words};
 use crate::analysis::overview::coordinate::Places;
 use crate::analysis::overview::{Indices, Margin, Overview, Share};
 use crate::design::{Coordinate, Design, Fixed, Varied};
@@ -17,14 +25,6 @@ use crate::picture::sheet::Sheet;
 use crate::picture::{caption, charts, drawing};
 use crate::results::Results;
 use crate::store::Store;
-use anyhow::anyhow;
-use clap::Args;
-use pulldown_cmark::{Options, Parser, html};
-use serde_json::json;
-
-use super::json::JsonArgs;
-use super::status::Survey;
-use super::{Failure, outputs, request, words};
 
 /// Writes a folder with the page as report.md and report.html, its pictures and their values. The page tells the share of chaos over each
 /// coordinate and over each pair of them, which coordinates matter, how far a point is from chaos, and what was computed where.

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use crate::studies::paper::{Effort, FIGURES, Figure, Files};
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::{Value, json};
@@ -11,6 +10,7 @@ use serde_json::{Value, json};
 use super::json::JsonArgs;
 use super::progress;
 use super::{Failure, outputs, words};
+use crate::studies::paper::{Effort, FIGURES, Figure, Files};
 
 /// Figures that are there and current are not computed again.
 #[derive(Args)]

@@ -6,6 +6,13 @@ use std::fmt::{Display, Write as _};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
+use anyhow::{Context, anyhow};
+use clap::Args;
+use serde::de::value::{Error as ValueError, StrDeserializer};
+use serde::de::{DeserializeOwned, IntoDeserializer};
+use serde::{Deserialize, Serialize};
+
+use super::{Failure, from};
 use crate::design::{Axis, Coordinate};
 use crate::dynamics::stroboscope::LEAST_WINDOW;
 use crate::experiment::{
@@ -15,13 +22,6 @@ use crate::machine::{Description, governing};
 use crate::measure::{CHAOTIC_GROWTH, DEFECT_BOUND, DEFECT_FLOOR, QUASI_PERIODIC_BOUND, QUASI_PERIODIC_ERROR};
 use crate::model::motion::RUNAWAY_BOUND;
 use crate::parameters::{PARAMETERS, Parameter};
-use anyhow::{Context, anyhow};
-use clap::Args;
-use serde::de::value::{Error as ValueError, StrDeserializer};
-use serde::de::{DeserializeOwned, IntoDeserializer};
-use serde::{Deserialize, Serialize};
-
-use super::{Failure, from};
 
 /// What is computed: parameters, and the machine that gives most of them.
 #[derive(Args, Clone)]

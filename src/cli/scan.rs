@@ -3,11 +3,6 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use crate::design::{Axis, Plan, Points, Sample, Side};
-use crate::engine::{self, Backends, Part, Sink, choice};
-use crate::experiment::{Experiment, Request};
-use crate::measure::Quantity;
-use crate::store::{self, Store};
 use anyhow::{Context, anyhow};
 use clap::Args;
 use serde_json::json;
@@ -15,8 +10,14 @@ use serde_json::json;
 use super::json::JsonArgs;
 use super::progress::{self, Progress};
 use super::request::{self, ExperimentArgs};
-use super::stores::{self, Wanted};
+use super::stores;
 use super::{Failure, outputs, words};
+use crate::design::{Axis, Plan, Points, Sample, Side};
+use crate::engine::{self, Backends, Part, Sink, choice};
+use crate::experiment::{Experiment, Request};
+use crate::measure::Quantity;
+use crate::output::words::bytes;
+use crate::store::{self, Store, Wanted};
 
 /// Any number of axes, or any points. What is finished is kept: the same command goes on where an earlier one stopped, and several
 /// processes that are given the same store share the work.
@@ -163,7 +164,7 @@ impl Prepared {
 
     fn open(&self) -> Result<Store, Failure> {
         outputs::check_writable(&self.path).map_err(Failure::Input)?;
-        self.wanted().open(&self.path).map_err(Failure::Input)
+        stores::open(&self.wanted(), &self.path)
     }
 
     /// Creates the store if it is not there; returns the number of its units.
@@ -207,7 +208,7 @@ impl ScanArgs {
         if !self.json.wanted() {
             let size = store::size_bytes(&experiment, &quantities, unit);
             print_line!("{}\n{}", words::plan(&experiment), words::devices(&backends, &reason));
-            print_line!("store:  {} for {} points", words::bytes(size), experiment.design.len());
+            print_line!("store:  {} for {} points", bytes(size), experiment.design.len());
         }
         Ok(Some(Prepared {
             path,
@@ -229,7 +230,7 @@ pub fn run(args: &ScanArgs) -> Result<(), Failure> {
     if args.dry_run {
         let mut backends = std::mem::take(&mut prepared.backends);
         let devices = backends.len();
-        return prepared.wanted().dry_run(&prepared.path, &mut backends[0], devices);
+        return stores::dry_run(&prepared.wanted(), &prepared.path, &mut backends[0], devices);
     }
     let mut store = prepared.open()?;
     let Prepared {

@@ -4,12 +4,13 @@
 
 use std::f64::consts::TAU;
 
+use serde_json::{Value, json};
+
 use crate::backend::Contact;
 use crate::design::Fixed;
 use crate::machine::units::si;
 use crate::machine::{Machine, Scale, SiQuantity};
 use crate::measure::Measurement;
-use serde_json::{Value, json};
 
 /// The SI value of a dimensionless number, to print after it: ` (35.06 MPa)`; empty without a machine.
 pub fn behind(at: &Fixed, value: f64, scale: Scale) -> String {

@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
-use crate::design::Coordinate;
-use crate::measure::Quantity;
-use crate::picture::Style;
-use crate::store::Store;
 use clap::Args;
 
 use super::json::JsonArgs;
 use super::outputs::{self, Outputs};
 use super::{Failure, request, words};
+use crate::design::Coordinate;
+use crate::measure::Quantity;
+use crate::picture::Style;
+use crate::store::Store;
 
 #[derive(Args)]
 pub struct SliceArgs {

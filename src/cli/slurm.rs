@@ -6,13 +6,13 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::output::PROGRAM;
-use crate::output::whole::write_text;
 use anyhow::{Context, anyhow};
 use clap::Args;
 
 use super::Failure;
 use super::scan::{Prepared, ScanArgs};
+use crate::output::PROGRAM;
+use crate::output::whole::write_text;
 
 /// Creates the store, and writes the experiment, NAME.toml, and a script, NAME.slurm, beside it. A task that reaches its time limit is
 /// put into the queue again. Each task of the array computes a fixed part of the units.

@@ -3,9 +3,6 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use crate::engine::{self, Condition, Sink, choice};
-use crate::results::Tally;
-use crate::store::{Lock, Store, Use};
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
@@ -14,6 +11,9 @@ use super::json::JsonArgs;
 use super::progress::{self, Progress};
 use super::stores;
 use super::{Failure, words};
+use crate::engine::{self, Condition, Sink, choice};
+use crate::results::Tally;
+use crate::store::{Lock, Store, Use};
 
 #[derive(Args)]
 pub struct StatusArgs {

@@ -5,16 +5,6 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use crate::analysis::threshold::{self, Border, Plan, Round, ThresholdError, dimension};
-use crate::design::{Axis, Side};
-use crate::engine::{self, Backends, EngineError, Sink, Table, choice};
-use crate::experiment::{Experiment, Request};
-use crate::measure::Quantity;
-use crate::output::{PROGRAM, csv};
-use crate::picture::sheet::Sheet;
-use crate::picture::{Style, caption, charts, drawing};
-use crate::results::Results;
-use crate::store::{Lock, Use};
 use anyhow::{Context, anyhow};
 use clap::Args;
 use serde_json::json;
@@ -24,8 +14,18 @@ use super::outputs::{self, Outputs};
 use super::overlay::{self, Theory};
 use super::progress::{self, Progress};
 use super::request::{self, ExperimentArgs};
-use super::stores::{self, Wanted};
+use super::stores;
 use super::{Failure, words};
+use crate::analysis::threshold::{self, Border, Plan, Round, ThresholdError, dimension};
+use crate::design::{Axis, Side};
+use crate::engine::{self, Backends, EngineError, Sink, Table, choice};
+use crate::experiment::{Experiment, Request};
+use crate::measure::Quantity;
+use crate::output::{PROGRAM, csv};
+use crate::picture::sheet::Sheet;
+use crate::picture::{Style, caption, charts, drawing};
+use crate::results::Results;
+use crate::store::{self, Lock, Use, Wanted};
 
 /// Begins with a coarse grid over a box of parameters, and refines it again and again where chaotic points lie beside others. Islands that
 /// are smaller than a cell of the first grid can be missed. What is finished is kept: the same command goes on where an earlier one
@@ -212,7 +212,7 @@ impl Rounds<'_> {
             force: false,
             alone: false,
         };
-        let mut store = wanted.open(&path).map_err(Failure::Input)?;
+        let mut store = stores::open(&wanted, &path)?;
         self.run(experiment, &mut store)
             .map_err(|error| stores::unfinished(error, &path))?;
         store.read().map_err(Failure::run)
@@ -275,7 +275,7 @@ impl Files {
     fn remove_rounds(&self) -> anyhow::Result<()> {
         for number in (0..).take_while(|&number| self.round(number).exists()) {
             let round = self.round(number);
-            stores::check_replaceable(&round)?;
+            store::check_replaceable(&round)?;
             // refused while another process writes it
             let _lock = Lock::of_store(&round, Use::Alone)?;
             std::fs::remove_dir_all(&round).with_context(|| format!("cannot remove {}", round.display()))?;

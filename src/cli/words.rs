@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 use std::time::Duration;
 
+use serde_json::{Value, json};
+
 use crate::design::{Coordinate, Spacing, Varied};
 use crate::engine::audit::Audit;
 use crate::engine::choice::Choice;
@@ -12,7 +14,6 @@ use crate::machine::units::si;
 use crate::map::{self, ParameterMap};
 use crate::measure::{Class, Quantity, is_scheme_to_blame};
 use crate::results::Tally;
-use serde_json::{Value, json};
 
 /// The plan of an experiment, in one line.
 pub fn plan(experiment: &Experiment) -> String {
@@ -321,35 +322,4 @@ pub fn kinds(tally: &Tally) -> String {
         )
     });
     kinds.collect::<Vec<_>>().join(", ")
-}
-
-/// A number of bytes as text, in a suitable unit.
-pub fn bytes(count: u64) -> String {
-    const UNITS: [&str; 5] = ["bytes", "kB", "MB", "GB", "TB"];
-    let rank = UNITS.len() - 1;
-    let rank = (0..rank)
-        .find(|&rank| (count as f64) < 1e3f64.powi(rank as i32 + 1))
-        .unwrap_or(rank);
-    let value = count as f64 / 1e3f64.powi(rank as i32);
-    let digits = usize::from(rank > 0 && value < 100.0);
-    format!("{value:.digits$} {}", UNITS[rank])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_are_shown_in_units_that_show_them() {
-        for (count, text) in [
-            (0, "0 bytes"),
-            (999, "999 bytes"),
-            (45_300, "45.3 kB"),
-            (9_400_000, "9.4 MB"),
-            (123_456_789_012, "123 GB"),
-            (5_000_000_000_000_000, "5000 TB"),
-        ] {
-            assert_eq!(bytes(count), text);
-        }
-    }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{Condition, Origin, Sink, SinkError};
 use crate::experiment::Experiment;
-use crate::measure::Measurement;
+use crate::measure::{Measurement, Quantity};
 use crate::results::{Results, Tally};
 
 /// Takes results into memory.
@@ -18,15 +18,23 @@ pub struct Table {
 }
 
 impl Table {
-    /// A table in which nothing is computed yet, in units of this number of points.
+    /// A table of every quantity in which nothing is computed yet, in units of this number of points.
     ///
     /// # Panics
     /// If a unit has no points.
     pub fn new(experiment: Experiment, unit: usize) -> Self {
+        Self::of(experiment, &Quantity::all(), unit)
+    }
+
+    /// A table of some quantities and of the status.
+    ///
+    /// # Panics
+    /// If a unit has no points.
+    pub fn of(experiment: Experiment, quantities: &[Quantity], unit: usize) -> Self {
         assert!(unit > 0, "a unit has points");
         Self {
             tallies: vec![None; experiment.design.len().div_ceil(unit)],
-            results: Results::new(experiment),
+            results: Results::of(experiment, quantities),
             unit,
         }
     }

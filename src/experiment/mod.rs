@@ -126,6 +126,27 @@ impl Experiment {
         Ok(())
     }
 
+    /// # Errors
+    /// [`ExperimentError::Wears`] if the contact wears at some point: there is no attractor whose states could be shown.
+    pub fn check_lasting(&self) -> Result<(), ExperimentError> {
+        if self.wears() {
+            return Err(ExperimentError::Wears);
+        }
+        Ok(())
+    }
+
+    /// # Errors
+    /// [`ExperimentError::StartVaried`] if x0 or y0 varies.
+    pub fn check_start_fixed(&self) -> Result<(), ExperimentError> {
+        let is_initial = |coordinate: &Coordinate| [Parameter::X0.into(), Parameter::Y0.into()].contains(coordinate);
+        match self.design.varied.coordinates().into_iter().find(is_initial) {
+            Some(coordinate) => Err(ExperimentError::StartVaried {
+                name: coordinate.name(),
+            }),
+            None => Ok(()),
+        }
+    }
+
     /// The request for exactly this experiment, with every value written out, so that later changes of defaults have no effect.
     pub fn request(&self) -> Request {
         let (axes, points) = match &self.design.varied {
@@ -211,6 +232,12 @@ pub enum ExperimentError {
          (least: {least:.1e}): use --backend cpu --precision f64"
     )]
     LayerTooThinForF32 { value: f64, least: f64, speed: f64 },
+    #[error(
+        "with wear all motion is transient, and has no attractor to draw: set k_w = 0 (of a machine, wear_coefficient = 0)"
+    )]
+    Wears,
+    #[error("{name} is varied: give initial states by --start, or use `map`, whose axes they can be")]
+    StartVaried { name: &'static str },
     #[error("no experiment in TOML: {0}")]
     Toml(#[from] toml::de::Error),
 }

@@ -2,7 +2,7 @@
 //! tables of numbers.
 //!
 //! Owns no picture and no store, and needs neither feature. Each file knows only those before it in this order: [`whole`],
-//! [`csv`], `parquet`.
+//! [`csv`], `parquet`; [`words`] knows none.
 
 pub mod csv;
 #[cfg(feature = "parquet")]
@@ -10,6 +10,7 @@ pub mod parquet;
 #[cfg(test)]
 pub(crate) mod samples;
 pub mod whole;
+pub mod words;
 
 /// The program and its version, as outputs name it.
 pub const PROGRAM: &str = concat!("tribochaos ", env!("CARGO_PKG_VERSION"));

@@ -29,4 +29,4 @@ mod text;
 mod ticks;
 
 pub use self::error::PictureError;
-pub use self::map::{Overlay, Style, check_size, draw, lyapunov_picture, period_picture, quantity_picture};
+pub use self::map::{Overlay, Ramp, Shades, Style, check_size, draw, quantity_picture, shades};

@@ -3,6 +3,7 @@
 //! Owns computed data in memory; neither computes nor draws nor stores them.
 
 mod column;
+pub mod labels;
 mod tally;
 
 use std::collections::BTreeMap;
@@ -50,6 +51,11 @@ impl Results {
     /// The values of a quantity, if the results hold it.
     pub fn column(&self, quantity: Quantity) -> Option<&Column> {
         self.columns[quantity as usize].as_ref()
+    }
+
+    /// Takes the values of a quantity out of the results, if they hold it.
+    pub fn take(&mut self, quantity: Quantity) -> Option<Column> {
+        self.columns[quantity as usize].take()
     }
 
     /// The value of a quantity at a point; NaN where it is not computed, does not apply, or is not held.

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-use crate::output::PROGRAM;
+use crate::output::{PROGRAM, words};
 
 /// Why a store cannot be created, opened, read or written.
 #[derive(Debug, thiserror::Error)]
@@ -48,6 +48,32 @@ pub enum StoreError {
         path.display()
     )]
     NoLocks { path: PathBuf },
+    #[error(
+        "{} holds the results of another experiment ({difference}): give another --out, or --force to replace them",
+        path.display()
+    )]
+    OtherExperiment { path: PathBuf, difference: String },
+    #[error(
+        "{} was computed by another version of the program: give another --out, or --force to replace it",
+        path.display()
+    )]
+    OtherProgram { path: PathBuf },
+    #[error(
+        "{} does not hold {quantity}, which is asked for: give another --out, or --force to compute all anew",
+        path.display()
+    )]
+    Lacks { path: PathBuf, quantity: &'static str },
+    #[error("{damage}; give another --out, or --force to replace it: {reason}")]
+    NotMended { damage: String, reason: Box<StoreError> },
+    #[error("{} is no store of this program: it is not replaced, move it away", path.display())]
+    NotReplaced { path: PathBuf },
+    #[error(
+        "the store {} would take {}, and the disk has {} free: use fewer points or quantities, or another disk",
+        path.display(),
+        words::bytes(*needed),
+        words::bytes(*free)
+    )]
+    NoRoom { path: PathBuf, needed: u64, free: u64 },
     #[error("{} was removed or replaced while it was written: the same command begins anew", path.display())]
     TakenAway { path: PathBuf },
     #[error("{} cannot be written: {reason}; check the folder's permissions and the free space", path.display())]

@@ -129,6 +129,10 @@ impl Group {
             .filter_map(|(path, sum)| Some((path.as_str(), sum.as_str()?)))
     }
 
+    pub fn attributes(&self) -> &Map<String, Value> {
+        &self.attributes
+    }
+
     /// An attribute.
     pub fn attribute(&self, name: &str) -> Option<&Value> {
         self.attributes.get(name)

@@ -7,9 +7,10 @@
 //! - `sync`: files that are on the disk when a function returns; `root`: the store's folder while it is used;
 //! - `mark`: what tells that a unit is finished; `group`: what the store holds, and checksums of its small files;
 //! - `lock`: what keeps processes apart;
-//! - `layout`: what other readers see of an array; `scales`: the arrays that lead to SI units; `chunk`: an array's values as files;
+//! - `layout`: what other readers see of an array; `chunk`: an array's values as files;
 //! - `store`: the store as a whole, created, opened and mended;
-//! - `values`: its values, written, checked and read; `size`: its size on the disk; `slice`: maps out of it.
+//! - `values`: its values, written, checked and read; `size`: its size on the disk; `slice`: maps out of it;
+//! - `wanted`: a store before a run.
 
 mod checksum;
 mod chunk;
@@ -19,7 +20,6 @@ mod layout;
 mod lock;
 mod mark;
 mod root;
-mod scales;
 mod size;
 mod slice;
 #[expect(clippy::module_inception, reason = "the type is the module's main one")]
@@ -29,6 +29,7 @@ mod sync;
 mod tests;
 mod units;
 mod values;
+mod wanted;
 
 pub use self::error::StoreError;
 pub use self::lock::{Lock, Use};
@@ -38,3 +39,4 @@ pub use self::slice::SliceError;
 pub use self::store::{Store, looks_like_a_store};
 pub use self::sync::clean_beside;
 pub use self::units::Units;
+pub use self::wanted::{Opened, Wanted, check_replaceable};

@@ -5,12 +5,11 @@
 use std::io;
 use std::path::Path;
 
-use super::layout::sides;
-use super::scales;
 use super::units::Units;
 use crate::design::{Axis, Varied};
 use crate::experiment::Experiment;
 use crate::measure::Quantity;
+use crate::results::labels;
 
 /// Bytes that a mark takes, at most.
 const MARK: u64 = 1024;
@@ -18,13 +17,13 @@ const MARK: u64 = 1024;
 /// Bytes that the values of some quantities of one point take.
 pub fn point_bytes(experiment: &Experiment, quantities: &[Quantity]) -> u64 {
     let bytes: u64 = Quantity::held(quantities).map(|info| info.values.bytes()).sum();
-    bytes + 8 * scales::of(experiment).len() as u64
+    bytes + 8 * labels::scales(experiment).len() as u64
 }
 
 /// Bytes that the store of some quantities of an experiment takes once it is complete, in units of about `unit` points.
 pub fn size_bytes(experiment: &Experiment, quantities: &[Quantity], unit: usize) -> u64 {
     let design = &experiment.design;
-    let units = Units::new(&sides(design), unit);
+    let units = Units::new(&labels::sides(design), unit);
     let values: usize = match &design.varied {
         Varied::Axes(axes) => axes.iter().map(Axis::count).sum(),
         Varied::Points(points) => points.len() * points.coordinates().len(),

@@ -18,17 +18,16 @@ use super::chunk;
 use super::error::StoreError;
 use super::group::{FORMAT_VERSION, Group, METADATA};
 use super::layout;
-use super::layout::{coordinates, data_type, node, plain_metadata, sides, variable};
+use super::layout::{coordinates, data_type, node, plain_metadata, variable};
 use super::lock::Lock;
 use super::mark::{self, Mark};
 use super::root::Root;
-use super::scales;
 use super::sync;
 use super::units::Units;
 use crate::experiment::{Experiment, ExperimentError, Outline};
 use crate::measure::{QUANTITIES, Quantity};
 use crate::output::whole::own_part;
-use crate::results::Column;
+use crate::results::{Column, labels};
 
 /// Results on disk, open for reading and writing.
 pub struct Store {
@@ -79,7 +78,7 @@ impl Store {
         quantities: &[Quantity],
         unit: usize,
     ) -> Result<Self, StoreError> {
-        let units = Units::new(&sides(&experiment.design), unit);
+        let units = Units::new(&labels::sides(&experiment.design), unit);
         if fs::symlink_metadata(path).is_ok() {
             return Err(StoreError::Exists { path: path.to_owned() });
         }
@@ -139,7 +138,7 @@ impl Store {
         let mut arrays = Vec::new();
         let mut units = None;
         let quantities = QUANTITIES.iter().map(|info| Content::Quantity(info.quantity));
-        let scales = scales::of(&experiment).iter().copied().map(Content::Scale);
+        let scales = labels::scales(&experiment).iter().copied().map(Content::Scale);
         for content in quantities.chain(scales) {
             let name = content.name();
             if !path.join(name).is_dir() {
@@ -148,7 +147,7 @@ impl Store {
             let array = Array::open(storage.clone(), &node(name))
                 .map_err(|error| damaged(format!("the array `{name}`: {error}")))?;
             let fastest_first = |counts: &[u64]| -> Vec<usize> { counts.iter().rev().map(|&n| n as usize).collect() };
-            let sides = sides(&experiment.design);
+            let sides = labels::sides(&experiment.design);
             let block = array.chunk_shape(&vec![0; sides.len()]);
             let block = block.map(|shape| fastest_first(&shape.iter().map(|count| count.get()).collect::<Vec<_>>()));
             let of_array = block.ok().and_then(|block| Units::of_block(&sides, &block));
@@ -189,10 +188,10 @@ impl Store {
     pub fn mend(path: &Path, experiment: &Experiment, quantities: &[Quantity]) -> Result<Self, StoreError> {
         let known = Mark::any(path).filter(|mark| {
             let names = Quantity::held(quantities).map(|info| info.name);
-            let scales = scales::of(experiment).iter().map(|scale| scale.name());
+            let scales = labels::scales(experiment).iter().map(|scale| scale.name());
             mark.experiment == identity_of(experiment) && names.chain(scales).collect::<BTreeSet<_>>() == mark.names()
         });
-        let sides = sides(&experiment.design);
+        let sides = labels::sides(&experiment.design);
         let units = known.and_then(|mark| Units::of_block(&sides, &mark.block));
         let units = units.ok_or_else(|| StoreError::Lost {
             path: path.to_owned(),
@@ -269,6 +268,11 @@ impl Store {
         self.group.write(self.root.path())
     }
 
+    /// All attributes of the store.
+    pub fn attributes(&self) -> &Map<String, Value> {
+        self.group.attributes()
+    }
+
     /// An attribute that [`Store::set_attribute`] set, in this process or in an earlier one.
     pub fn attribute(&self, name: &str) -> Option<&Value> {
         self.group.attribute(name)
@@ -282,12 +286,12 @@ fn build(path: &Path, experiment: &Experiment, quantities: &[Quantity], units: &
     let storage = Arc::new(FilesystemStore::new(path).map_err(|error| failed(&error))?);
     let design = &experiment.design;
     let coordinates = coordinates(design);
-    let names: Vec<&str> = coordinates.iter().map(|(coordinate, ..)| coordinate.name()).collect();
+    let names: Vec<&str> = coordinates.iter().map(|(name, ..)| *name).collect();
     let coordinates = coordinates
         .into_iter()
-        .map(|(coordinate, array, values)| (coordinate.name(), array, Some(values)));
+        .map(|(name, array, values)| (name, array, Some(values)));
     let quantities = Quantity::held(quantities).map(|info| (info.name, variable(info, design, units), None));
-    let scales = scales::of(experiment)
+    let scales = labels::scales(experiment)
         .iter()
         .map(|&scale| (scale.name(), layout::scale(scale, design, units), None));
     let (mut metadata, mut sums) = (Map::new(), Vec::new());

@@ -12,11 +12,10 @@ use super::chunk;
 use super::error::StoreError;
 use super::lock::Lock;
 use super::mark::{Found, Mark};
-use super::scales;
 use super::store::{Content, Store, StoredArray};
 use crate::engine::{Claim, Condition, Origin, Sink, SinkError};
 use crate::measure::{Measurement, Quantity};
-use crate::results::{Column, Results, Tally};
+use crate::results::{Column, Results, Tally, labels};
 
 /// The values of a unit, by their quantities.
 type Columns = Vec<(Quantity, Column)>;
@@ -70,7 +69,7 @@ impl Store {
                     }
                     column
                 }
-                Content::Scale(scale) => scales::values(&self.experiment, scale, points.clone()),
+                Content::Scale(scale) => labels::scale_values(&self.experiment, scale, points.clone()),
             };
             let bytes =
                 chunk::encode(array, &place, &values).map_err(|error| StoreError::write(self.path(), &error))?;

@@ -4,7 +4,7 @@
 //!
 //! - `layout`: sizes and places; `axis_ticks`: which ticks fit; `paragraphs`: the caption;
 //! - `bar`, `legend`: what explains the colours;
-//! - `plot`: all of it on a page;
+//! - `plot`: all of it on a page; `shades`: its colours alone;
 //! - `style`: what a user chooses; `values`: values, units and limits;
 //! - `quantity`: the colours of each quantity.
 
@@ -15,12 +15,14 @@ mod legend;
 mod paragraphs;
 mod plot;
 mod quantity;
+mod shades;
 mod style;
 #[cfg(test)]
 mod tests;
 mod values;
 
 pub use self::plot::Overlay;
-pub use self::quantity::{draw, lyapunov_picture, period_picture, quantity_picture};
+pub use self::quantity::{draw, quantity_picture, shades};
+pub use self::shades::{Ramp, Shades};
 pub use self::style::{Style, check_size};
 pub use self::values::label;

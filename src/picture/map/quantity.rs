@@ -6,6 +6,7 @@ use std::path::Path;
 
 use super::paragraphs;
 use super::plot::{Cell, Kind, Plot};
+use super::shades::Shades;
 use super::style::Style;
 use super::values::{Shown, bar, label};
 use crate::map::{ParameterMap, drawn_border};
@@ -26,28 +27,47 @@ pub fn draw(map: &ParameterMap, quantity: Quantity, style: &Style, path: &Path) 
     png::write_png(path, &page, &map.experiment.to_toml(), &[("Title", &title)])
 }
 
-/// The map of any quantity; the exponent's and the period's are [`lyapunov_picture`] and [`period_picture`].
+/// The map of any quantity, above its caption.
 ///
 /// # Errors
 /// [`PictureError::TooLarge`] or [`PictureError::Limits`].
 pub fn quantity_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -> Result<Page, PictureError> {
-    match quantity {
-        Quantity::Lyapunov => lyapunov_picture(map, style),
-        Quantity::Period => period_picture(map, style),
-        Quantity::Attractors => attractors_picture(map, style),
-        _ => match quantity.info().values {
-            Values::F64 | Values::F32 => number_picture(map, quantity, style),
-            Values::Code(names) => code_picture(map, quantity, names, style),
-        },
+    let plot = plot(map, quantity, style)?;
+    let mut caption = paragraphs::of(map);
+    caption.extend(style.note.clone());
+    if !plot.border.is_empty() {
+        caption.push(paragraphs::border(map));
     }
+    plot.draw(style.size, &caption)
 }
 
-/// The map of the maximal exponent, with the undecided, quasi-periodic, unstable and runaway points in colours of their own and
-/// the border of chaos.
+/// The colours of a quantity at each point of a map, and their meaning: the map without axes, border and caption.
 ///
 /// # Errors
-/// As [`quantity_picture`].
-pub fn lyapunov_picture(map: &ParameterMap, style: &Style) -> Result<Page, PictureError> {
+/// [`PictureError::Limits`].
+pub fn shades(map: &ParameterMap, quantity: Quantity, style: &Style) -> Result<Shades, PictureError> {
+    Ok(Shades::of(&plot(map, quantity, style)?))
+}
+
+fn plot(map: &ParameterMap, quantity: Quantity, style: &Style) -> Result<Plot, PictureError> {
+    let plot = match quantity {
+        Quantity::Lyapunov => lyapunov_plot(map, style)?,
+        Quantity::Period => period_plot(map),
+        Quantity::Attractors => attractors_plot(map),
+        _ => match quantity.info().values {
+            Values::F64 | Values::F32 => number_plot(map, quantity, style)?,
+            Values::Code(names) => code_plot(map, quantity, names),
+        },
+    };
+    Ok(Plot {
+        overlay: style.overlay.clone(),
+        ..plot
+    })
+}
+
+/// The maximal exponent, with the undecided, quasi-periodic, unstable and runaway points in colours of their own and the border of
+/// chaos.
+fn lyapunov_plot(map: &ParameterMap, style: &Style) -> Result<Plot, PictureError> {
     let kinds = vec![
         Kind::new(colour::QUASI_PERIODIC, "quasi-periodic"),
         Kind::new(colour::UNDECIDED, "undecided"),
@@ -68,24 +88,17 @@ pub fn lyapunov_picture(map: &ParameterMap, style: &Style) -> Result<Page, Pictu
     });
     let bar = bar(Quantity::Lyapunov, &shown, &cells, style)?;
     let border = if style.border { drawn_border(map) } else { Vec::new() };
-    page(
-        map,
-        style,
-        Plot {
-            cells,
-            kinds,
-            bar,
-            border,
-            ..Plot::of(map)
-        },
-    )
+    Ok(Plot {
+        cells,
+        kinds,
+        bar,
+        border,
+        ..Plot::of(map)
+    })
 }
 
-/// The map of the period of the motion.
-///
-/// # Errors
-/// [`PictureError::TooLarge`].
-pub fn period_picture(map: &ParameterMap, style: &Style) -> Result<Page, PictureError> {
+/// The period of the motion.
+fn period_plot(map: &ParameterMap) -> Plot {
     let mut kinds = count_kinds();
     let first_other = kinds.len();
     kinds.extend([
@@ -113,19 +126,15 @@ pub fn period_picture(map: &ParameterMap, style: &Style) -> Result<Page, Picture
         })
     });
     let heading = "Period of the motion, in forcing periods:".to_owned();
-    page(
-        map,
-        style,
-        Plot {
-            cells,
-            kinds,
-            heading,
-            ..Plot::of(map)
-        },
-    )
+    Plot {
+        cells,
+        kinds,
+        heading,
+        ..Plot::of(map)
+    }
 }
 
-fn attractors_picture(map: &ParameterMap, style: &Style) -> Result<Page, PictureError> {
+fn attractors_plot(map: &ParameterMap) -> Plot {
     let mut kinds = count_kinds();
     let runaway = kinds.len();
     kinds.push(Kind::new(colour::RUNAWAY, "runaway"));
@@ -144,16 +153,12 @@ fn attractors_picture(map: &ParameterMap, style: &Style) -> Result<Page, Picture
         }
     };
     let cells = cells(map, |index| Cell::Kind(kind(index)));
-    page(
-        map,
-        style,
-        Plot {
-            cells,
-            kinds,
-            heading: heading(Quantity::Attractors),
-            ..Plot::of(map)
-        },
-    )
+    Plot {
+        cells,
+        kinds,
+        heading: heading(Quantity::Attractors),
+        ..Plot::of(map)
+    }
 }
 
 /// The kinds for whole numbers from 1 on; larger numbers form groups.
@@ -181,7 +186,7 @@ fn heading(quantity: Quantity) -> String {
     format!("{}:", caption::capitalised(quantity.info().label))
 }
 
-fn number_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -> Result<Page, PictureError> {
+fn number_plot(map: &ParameterMap, quantity: Quantity, style: &Style) -> Result<Plot, PictureError> {
     let missing = match quantity {
         Quantity::ContactTime => "contact held",
         _ => "not applicable",
@@ -201,19 +206,15 @@ fn number_picture(map: &ParameterMap, quantity: Quantity, style: &Style) -> Resu
         _ => Cell::Kind(0),
     });
     let bar = bar(quantity, &shown, &cells, style)?;
-    page(
-        map,
-        style,
-        Plot {
-            cells,
-            kinds,
-            bar,
-            ..Plot::of(map)
-        },
-    )
+    Ok(Plot {
+        cells,
+        kinds,
+        bar,
+        ..Plot::of(map)
+    })
 }
 
-fn code_picture(map: &ParameterMap, quantity: Quantity, names: &[&str], style: &Style) -> Result<Page, PictureError> {
+fn code_plot(map: &ParameterMap, quantity: Quantity, names: &[&str]) -> Plot {
     let colours = match quantity {
         Quantity::Class => Class::ALL.map(class_colour).to_vec(),
         Quantity::ContactStatus => vec![colour::PERIODS[0], colour::PERIODS[1]],
@@ -238,16 +239,12 @@ fn code_picture(map: &ParameterMap, quantity: Quantity, names: &[&str], style: &
         })
     });
     let heading = heading(quantity);
-    page(
-        map,
-        style,
-        Plot {
-            cells,
-            kinds,
-            heading,
-            ..Plot::of(map)
-        },
-    )
+    Plot {
+        cells,
+        kinds,
+        heading,
+        ..Plot::of(map)
+    }
 }
 
 /// The name of a code as ordinary words.
@@ -269,15 +266,4 @@ fn cells(map: &ParameterMap, cell: impl Fn(usize) -> Cell) -> Vec<Cell> {
             }
         })
         .collect()
-}
-
-/// The plot on its page, above its caption.
-fn page(map: &ParameterMap, style: &Style, mut plot: Plot) -> Result<Page, PictureError> {
-    plot.overlay.clone_from(&style.overlay);
-    let mut caption = paragraphs::of(map);
-    caption.extend(style.note.clone());
-    if !plot.border.is_empty() {
-        caption.push(paragraphs::border(map));
-    }
-    plot.draw(style.size, &caption)
 }

@@ -32,7 +32,10 @@ fn every_point_is_a_block_of_its_colour() {
         ..small()
     };
     let map = samples::map("zeta_k=0:3:4", "h1=0:1:2", &exponents);
-    let pixels = lyapunov_picture(&map, &style).unwrap().render().unwrap();
+    let pixels = quantity_picture(&map, Quantity::Lyapunov, &style)
+        .unwrap()
+        .render()
+        .unwrap();
     // A block of 20 x 30 pixels less what the frame covers of it.
     for value in [-0.5, 0.5] {
         let blocks = count(&pixels, style.colours.two_sided(value));
@@ -49,7 +52,7 @@ fn falling_axes_are_drawn_rising() {
     };
     let rising = samples::map("zeta_k=0:1:2", "h1=0:1:2", &[-1.0, -0.5, 0.5, 1.0]);
     let falling = samples::map("zeta_k=1:0:2", "h1=1:0:2", &[1.0, 0.5, -0.5, -1.0]);
-    let svg = |map| lyapunov_picture(map, &style).unwrap().svg;
+    let svg = |map| quantity_picture(map, Quantity::Lyapunov, &style).unwrap().svg;
     assert_eq!(svg(&rising), svg(&falling));
 }
 
@@ -63,7 +66,7 @@ fn the_border_lies_between_the_blocks_to_all_sides() {
         -1.0, -1.0, 1.0, 1.0,
     ];
     let map = samples::map("zeta_k=0:3:4", "h1=0:3:4", &exponents);
-    let page = lyapunov_picture(&map, &small()).unwrap();
+    let page = quantity_picture(&map, Quantity::Lyapunov, &small()).unwrap();
     assert!(page.svg.contains(">border of chaos<") && page.svg.contains("Border of chaos: between"));
     let path = page
         .svg
@@ -112,7 +115,12 @@ fn the_border_lies_between_the_blocks_to_all_sides() {
         border: false,
         ..small()
     };
-    assert!(!lyapunov_picture(&map, &style).unwrap().svg.contains("order of chaos"));
+    assert!(
+        !quantity_picture(&map, Quantity::Lyapunov, &style)
+            .unwrap()
+            .svg
+            .contains("order of chaos")
+    );
 }
 
 #[test]
@@ -123,7 +131,7 @@ fn an_overlay_reaches_the_frame_where_it_ends_with_the_axes() {
             name: "theory".to_owned(),
             points,
         });
-        let page = lyapunov_picture(&map, &Style { overlay, ..small() }).unwrap();
+        let page = quantity_picture(&map, Quantity::Lyapunov, &Style { overlay, ..small() }).unwrap();
         let line = page.svg.lines().find(|line| line.contains("url(#map)")).unwrap();
         line.matches('L').count()
     };
@@ -135,14 +143,17 @@ fn an_overlay_reaches_the_frame_where_it_ends_with_the_axes() {
 #[test]
 fn the_legend_names_what_occurs_and_nothing_else() {
     let map = samples::map("zeta_k=0:3:4", "h1=0:1:2", &[-1.0, -0.5, 0.5, f64::NAN]);
-    let svg = period_picture(&map, &small()).unwrap().svg;
+    let svg = quantity_picture(&map, Quantity::Period, &small()).unwrap().svg;
     for present in [">3<", ">chaotic<", ">runaway<", ">not computed<"] {
         assert!(svg.contains(present), "{present}");
     }
     for absent in [">4<", "undecided", "quasi-periodic", "no period found"] {
         assert!(!svg.contains(absent), "{absent}");
     }
-    let pixels = period_picture(&map, &small()).unwrap().render().unwrap();
+    let pixels = quantity_picture(&map, Quantity::Period, &small())
+        .unwrap()
+        .render()
+        .unwrap();
     assert!(count(&pixels, colour::PERIODS[2]) > 2 * 550);
 }
 
@@ -152,7 +163,7 @@ fn limits_are_robust_stated_and_checked() {
     let mut exponents = [vec![-1.5; 150], vec![0.15; 149]].concat();
     exponents.push(40.0);
     let map = samples::map("zeta_k=0:3:20", "h1=0:1:15", &exponents);
-    let svg = lyapunov_picture(&map, &small()).unwrap().svg;
+    let svg = quantity_picture(&map, Quantity::Lyapunov, &small()).unwrap().svg;
     assert!(svg.contains("≥\u{a0}0.2<") && svg.contains("≤\u{a0}−0.2<"), "{svg}");
     for limits in [(1.0, 1.0), (1.0, -1.0), (f64::NAN, 1.0), (0.0, f64::INFINITY)] {
         let style = Style {
@@ -160,7 +171,10 @@ fn limits_are_robust_stated_and_checked() {
             ..small()
         };
         assert!(
-            matches!(lyapunov_picture(&map, &style), Err(PictureError::Limits { .. })),
+            matches!(
+                quantity_picture(&map, Quantity::Lyapunov, &style),
+                Err(PictureError::Limits { .. })
+            ),
             "{limits:?}"
         );
     }
