@@ -11,13 +11,15 @@ use tribochaos::analysis::bifurcation::{Columns, diagram};
 use tribochaos::analysis::onset as onsets;
 use tribochaos::analysis::onset::{Definition, Scan};
 use tribochaos::analysis::path::ended;
-use tribochaos::analysis::{history, section as sections};
+use tribochaos::analysis::{follow, section as sections};
 use tribochaos::design::Axis;
 use tribochaos::engine::{self, initial_states};
 use tribochaos::experiment::Experiment;
 use tribochaos::machine::Machine;
 use tribochaos::measure::Status;
 use tribochaos::model::melnikov::{Melnikov, Threshold, threshold};
+use tribochaos::parameters::Parameter;
+use tribochaos::results::labels;
 
 use crate::errors;
 use crate::request::{self, Request};
@@ -34,10 +36,15 @@ pub fn trajectory<'py>(
 ) -> PyResult<(Bound<'py, PyDict>, String)> {
     let experiment = request.point().map_err(errors::input)?;
     let at = experiment.design.fixed;
-    let run = watch(py, None, 1, |_| {
-        history(at.parameters(), &experiment.settings.integration, 0..periods, samples)
+    let run = watch(py, None, 1, |progress| {
+        let integration = &experiment.settings.integration;
+        follow(at.parameters(), integration, 0..periods, samples, &mut || {
+            progress.add(0)
+        })
     })?;
-    let run = run.whole()?;
+    let run = run
+        .whole()?
+        .ok_or_else(|| PyRuntimeError::new_err("nothing was computed"))?;
     let columns = PyDict::new(py);
     let column = |name: &str, of: &dyn Fn(&tribochaos::analysis::Sample) -> f64| {
         let values: Vec<f64> = run.samples.iter().map(of).collect();
@@ -77,13 +84,23 @@ pub fn trajectory<'py>(
 }
 
 /// The initial states of an analysis: those given, or (x0, y0) with others from the box if several are asked for.
-fn starts(experiment: &Experiment, given: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
-    if !given.is_empty() {
-        return given;
+///
+/// # Errors
+/// ValueError if none is given, or one is out of range.
+fn starts(experiment: &Experiment, given: Option<Vec<[f64; 2]>>) -> PyResult<Vec<[f64; 2]>> {
+    let Some(given) = given else {
+        let first = experiment.design.fixed.parameters().initial_state();
+        let others = initial_states::offsets(&experiment.settings.sampling);
+        return Ok([first].into_iter().chain(others).collect());
+    };
+    if given.is_empty() {
+        return Err(errors::input("there are no initial states: give at least one (x, y)"));
     }
-    let first = experiment.design.fixed.parameters().initial_state();
-    let others = initial_states::offsets(&experiment.settings.sampling);
-    [first].into_iter().chain(others).collect()
+    for &[x, y] in &given {
+        Parameter::X0.check(x).map_err(errors::input)?;
+        Parameter::Y0.check(y).map_err(errors::input)?;
+    }
+    Ok(given)
 }
 
 /// At least so many stroboscopic states of the point of a request, from some orbits at once. Returns x, y, the number of orbits that
@@ -102,7 +119,7 @@ pub fn section<'py>(
     experiment.check_lasting().map_err(errors::input)?;
     let settings = experiment.settings;
     let at = *experiment.design.fixed.parameters();
-    let mut backends = request::choose_one(experiment)?;
+    let mut backends = request::choose_one(py, experiment)?;
     let periods = settings.sampling.transient_periods + settings.sampling.periods;
     let work = u64::from(plan.orbits) * u64::from(periods);
     let section = watch(py, observer, work, |progress| {
@@ -117,17 +134,26 @@ pub fn section<'py>(
     Ok((column(0), column(1), section.runaways, plan.orbits))
 }
 
-/// The bifurcation diagram over the axis of a request. Returns the values of the axis, x and y as tables with a row for each value,
-/// padded with NaN, and the number of orbits that ran away or were given up.
+/// Most states of a diagram: more do not fit into memory and a usable table.
+const MOST_STATES: u64 = 50_000_000;
+
+/// The bifurcation diagram over the axis of a request. Returns the values of the axis, its attributes in JSON, x and y as tables with a
+/// row for each value, padded with NaN, and the number of orbits that ran away or were given up.
 #[pyfunction]
 #[pyo3(signature = (request, starts, follow, observer))]
 pub fn bifurcation<'py>(
     py: Python<'py>,
     request: &Request,
-    starts: Vec<[f64; 2]>,
+    starts: Option<Vec<[f64; 2]>>,
     follow: Option<&str>,
     observer: Option<&Bound<'py, PyAny>>,
-) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyAny>, Bound<'py, PyAny>, usize)> {
+) -> PyResult<(
+    Bound<'py, PyArray1<f64>>,
+    String,
+    Bound<'py, PyAny>,
+    Bound<'py, PyAny>,
+    usize,
+)> {
     let experiment = request.experiment().map_err(errors::input)?;
     experiment.check_lasting().map_err(errors::input)?;
     experiment.check_start_fixed().map_err(errors::input)?;
@@ -141,9 +167,16 @@ pub fn bifurcation<'py>(
     };
     columns.check(&experiment).map_err(errors::input)?;
     let axis = only_axis(&experiment)?;
-    let starts = self::starts(&experiment, starts);
+    let attributes = labels::coordinates(&experiment.design).swap_remove(0).attributes;
+    let starts = self::starts(&experiment, starts)?;
+    let states = axis.count() as u64 * starts.len() as u64 * u64::from(experiment.settings.sampling.periods);
+    if states > MOST_STATES {
+        return Err(errors::input(format!(
+            "{states} states are too many (at most {MOST_STATES}): use fewer values, initial states or periods"
+        )));
+    }
     let (settings, fixed) = (experiment.settings, experiment.design.fixed);
-    let mut backends = request::choose_one(experiment)?;
+    let mut backends = request::choose_one(py, experiment)?;
     let periods = u64::from(settings.sampling.transient_periods + settings.sampling.periods);
     let work = (axis.count() * starts.len()) as u64 * periods;
     let found = watch(py, observer, work, |progress| {
@@ -170,6 +203,7 @@ pub fn bifurcation<'py>(
     };
     Ok((
         PyArray1::from_vec(py, axis.values()),
+        Value::Object(attributes).to_string(),
         table(0)?,
         table(1)?,
         found.runaways,
@@ -193,7 +227,7 @@ fn only_axis(experiment: &Experiment) -> PyResult<Axis> {
 pub fn onset(
     py: Python<'_>,
     request: &Request,
-    starts: Vec<[f64; 2]>,
+    starts: Option<Vec<[f64; 2]>>,
     spacing: Option<f64>,
     observer: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<String> {
@@ -201,6 +235,7 @@ pub fn onset(
     experiment.check_lasting().map_err(errors::input)?;
     experiment.check_start_fixed().map_err(errors::input)?;
     let axis = only_axis(&experiment)?;
+    let starts = self::starts(&experiment, starts)?;
     let spacing = onsets::checked_spacing(&axis, spacing).map_err(errors::input)?;
     let (settings, at) = (experiment.settings, experiment.design.fixed);
     let definition = Definition::new(&settings);
@@ -211,7 +246,7 @@ pub fn onset(
         starts: &starts,
     };
     scan.check().map_err(errors::input)?;
-    let mut backends = request::choose_one(experiment)?;
+    let mut backends = request::choose_one(py, experiment)?;
     let work = engine::instance_periods(&definition.settings, scan.axis.count() * starts.len());
     let bounds = watch(py, observer, work, |progress| {
         scan.bounds(&mut backends, &mut |event| progress.hear(&event))
@@ -259,10 +294,12 @@ pub fn melnikov<'py>(
     let point = request.point().map_err(errors::input)?;
     let function = Melnikov::new(point.design.fixed.parameters()).map_err(errors::input)?;
     let extremes = function.extremes();
-    let tau_0: Vec<f64> = (0..samples)
-        .map(|index| function.period() * f64::from(index) / f64::from(samples))
-        .collect();
-    let values: Vec<f64> = tau_0.iter().map(|&tau_0| function.closed_form(tau_0)).collect();
+    let evaluated = watch(py, None, 1, |progress| {
+        let tau_0 = (0..samples).map(|index| function.period() * f64::from(index) / f64::from(samples));
+        let going_on = tau_0.take_while(|_| progress.add(0).is_continue());
+        going_on.map(|tau_0| (tau_0, function.closed_form(tau_0))).unzip()
+    })?;
+    let (tau_0, values): (Vec<f64>, Vec<f64>) = evaluated.whole()?;
     let rest = json!({
         "minimum": extremes.minimum,
         "minimum_at": extremes.minimum_at,

@@ -58,7 +58,7 @@ fn into_memory<'py>(
     quantities: &[Quantity],
     observer: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let mut backends = request::choose(experiment.clone())?;
+    let mut backends = request::choose(py, experiment.clone())?;
     let unit = backends[0].points_per_unit(experiment);
     let mut table = Table::of(experiment.clone(), quantities, unit);
     let ran = carried_out(py, experiment, &mut backends, &mut table, observer)?;
@@ -79,7 +79,7 @@ fn into_store<'py>(
     observer: Option<&Bound<'py, PyAny>>,
     into: &Into,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let mut backends = request::choose(experiment.clone())?;
+    let mut backends = request::choose(py, experiment.clone())?;
     let wanted = Wanted {
         experiment,
         quantities,
@@ -122,9 +122,10 @@ fn carried_out(
     })?;
     let Watched { outcome, stopped_by } = watched;
     match outcome {
+        // an exception may have come when all was done
         Ok(_) => Ok(Ran {
             finished: 1.0,
-            stopped_by: None,
+            stopped_by,
         }),
         Err(EngineError { cause, finished, units }) => match cause {
             Cause::Stopped => Ok(Ran {
@@ -183,7 +184,7 @@ fn named(names: &[String]) -> PyResult<Vec<Quantity>> {
 #[pyo3(signature = (request, observer))]
 pub fn point(py: Python<'_>, request: &Request, observer: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
     let experiment = request.point().map_err(errors::input)?;
-    let mut backends = request::choose_one(experiment.clone())?;
+    let mut backends = request::choose_one(py, experiment.clone())?;
     let work = engine::instance_periods(&experiment.settings, 1);
     let measured = watch(py, observer, work, |progress| {
         backends.measure(&experiment.design, &experiment.settings, &[0], &mut |event| {

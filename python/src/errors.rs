@@ -36,23 +36,40 @@ pub fn store(error: &StoreError) -> PyErr {
     }
 }
 
-/// A text of the library: `--steps-per-period` becomes `steps_per_period`, and `--out` becomes `store`.
+/// A text of the library: `--steps-per-period` becomes `steps_per_period`, and `--out` becomes `store`. Commands, which stand in
+/// backticks, stay as they are, and so do names with dashes in them.
 pub fn words(text: &str) -> String {
-    let mut parts = text.split("--");
-    let mut words = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        let end = part
-            .find(|c: char| !(c.is_ascii_lowercase() || c == '-'))
-            .unwrap_or(part.len());
-        let (name, rest) = part.split_at(end);
-        match name.trim_end_matches('-') {
-            // not an option but a dash
-            "" => words += "--",
-            "out" => words += "store",
-            option => words += &option.replace('-', "_"),
+    let parts = text.split('`').enumerate();
+    let parts = parts.map(|(index, part)| {
+        if index % 2 == 0 {
+            without_dashes(part)
+        } else {
+            part.to_owned()
         }
-        words += &name[name.trim_end_matches('-').len()..];
-        words += rest;
+    });
+    parts.collect::<Vec<_>>().join("`")
+}
+
+fn without_dashes(text: &str) -> String {
+    let mut words = String::new();
+    let mut rest = text;
+    while let Some(at) = rest.find("--") {
+        let (before, option) = (&rest[..at], &rest[at + 2..]);
+        let length = option
+            .find(|c: char| !(c.is_ascii_lowercase() || c == '-'))
+            .unwrap_or(option.len());
+        let (name, after) = option.split_at(length);
+        let begins = before.is_empty() || before.ends_with([' ', '(']);
+        words += before;
+        match name {
+            "out" if begins => words += "store",
+            name if begins && name.starts_with(|c: char| c.is_ascii_lowercase()) => words += &name.replace('-', "_"),
+            name => {
+                words += "--";
+                words += name;
+            }
+        }
+        rest = after;
     }
-    words
+    words + rest
 }

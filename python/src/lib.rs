@@ -47,7 +47,7 @@ mod _native {
     #[pymodule_export]
     use super::main;
     #[pymodule_export]
-    use super::request::Request;
+    use super::request::{Request, check_name};
     #[pymodule_export]
     use super::shades::{ramp, shades};
     #[pymodule_export]

@@ -72,6 +72,7 @@ impl Request {
     fn set(&mut self, name: &str, value: f64) -> PyResult<()> {
         let coordinate = Coordinate::from_name(name).map_err(errors::input)?;
         coordinate.check(value).map_err(errors::input)?;
+        coordinate.check_free(self.0.machine.is_some()).map_err(errors::input)?;
         self.0.set.insert(coordinate.name().to_owned(), value);
         Ok(())
     }
@@ -113,6 +114,9 @@ impl Request {
         let contiguous = rows.as_standard_layout();
         let values = contiguous.as_slice().unwrap_or_default();
         let rows: Vec<&[f64]> = values.chunks(coordinates.len().max(1)).collect();
+        for coordinate in &coordinates {
+            self.0.set.remove(coordinate.name());
+        }
         self.0.points = Some(Points::new(coordinates, &rows).map_err(errors::input)?);
         Ok(())
     }
@@ -135,7 +139,9 @@ impl Request {
 }
 
 impl Request {
+    /// What varies loses the value that it had, as by a preset.
     fn add(&mut self, axis: Axis) {
+        self.0.set.remove(axis.coordinate.name());
         self.0.axes.get_or_insert_default().push(axis);
     }
 
@@ -148,6 +154,12 @@ impl Request {
     pub fn point(&self) -> Result<Experiment, ExperimentError> {
         self.0.resolve_point()
     }
+}
+
+/// Checks that there is a parameter or a quantity of this name.
+#[pyfunction]
+pub fn check_name(name: &str) -> PyResult<()> {
+    Coordinate::from_name(name).map(|_| ()).map_err(errors::input)
 }
 
 /// A table with another value of one of its settings.
@@ -181,7 +193,7 @@ fn spaced(listed: Axis) -> Axis {
 ///
 /// # Errors
 /// ValueError if the device cannot be had.
-pub fn choose(mut experiment: Experiment) -> PyResult<Vec<Backends>> {
+pub fn choose(py: Python<'_>, mut experiment: Experiment) -> PyResult<Vec<Backends>> {
     if pool::is_forked() {
         match experiment.device.backend {
             BackendChoice::Gpu => {
@@ -193,7 +205,7 @@ pub fn choose(mut experiment: Experiment) -> PyResult<Vec<Backends>> {
             BackendChoice::Cpu => {}
         }
     }
-    choice::choose_all(&experiment)
+    py.detach(|| choice::choose_all(&experiment))
         .map(|(backends, _)| backends)
         .map_err(|error| errors::backend(&error))
 }
@@ -202,7 +214,7 @@ pub fn choose(mut experiment: Experiment) -> PyResult<Vec<Backends>> {
 ///
 /// # Errors
 /// As [`choose`].
-pub fn choose_one(experiment: Experiment) -> PyResult<Backends> {
-    let mut backends = choose(experiment)?;
+pub fn choose_one(py: Python<'_>, experiment: Experiment) -> PyResult<Backends> {
+    let mut backends = choose(py, experiment)?;
     Ok(backends.swap_remove(0))
 }

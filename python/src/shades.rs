@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use serde_json::json;
 use tribochaos::design::Axis;
 use tribochaos::map::ParameterMap;
-use tribochaos::measure::{QUANTITIES, Quantity};
+use tribochaos::measure::{QUANTITIES, Quantity, Values};
 use tribochaos::picture::colour::ColourScale;
 use tribochaos::picture::{self, Style};
 
@@ -27,12 +27,29 @@ pub fn shades<'py>(
     colours: &str,
 ) -> PyResult<(Bound<'py, PyArray3<u8>>, String)> {
     let info = QUANTITIES.iter().find(|info| info.name == quantity);
-    let quantity = info
-        .ok_or_else(|| errors::input(format!("there is no quantity `{quantity}`")))?
-        .quantity;
+    let info = info.ok_or_else(|| {
+        errors::input(format!(
+            "the program draws no `{quantity}`: draw it by xarray, ds[name].plot()"
+        ))
+    })?;
+    let quantity = info.quantity;
     let &[rows, columns] = values.shape() else {
         unreachable!("an array of two dimensions")
     };
+    for (name, quantity, codes) in [
+        ("class", Quantity::Class, &class_),
+        ("status", Quantity::Status, &status),
+        (info.name, info.quantity, &values),
+    ] {
+        if codes.shape() != values.shape() {
+            return Err(errors::input(format!("{name} does not have the shape of the map")));
+        }
+        if let Values::Code(names) = quantity.info().values
+            && let Some(code) = codes.as_array().iter().find(|code| **code >= names.len() as f64)
+        {
+            return Err(errors::input(format!("{name} has no code {code}")));
+        }
+    }
     let axis = |name, count| Axis::even(name, 0.0, 1.0, count).map_err(errors::input);
     // what the axes are does not matter to colours
     let request = tribochaos::Request::over(vec![axis("zeta_k", columns)?, axis("h1", rows)?]);

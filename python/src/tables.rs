@@ -74,12 +74,9 @@ pub fn devices(py: Python<'_>) -> PyResult<String> {
             "lanes_f32": set.lanes(Precision::F32),
         })
     });
-    let (adapters, auto) = py.detach(|| {
-        let adapters = if pool::is_forked() { Vec::new() } else { adapters() };
-        let experiment = tribochaos::Request::default().resolve().map_err(errors::input)?;
-        let backends = request::choose_one(experiment)?;
-        PyResult::Ok((adapters, backends.active().device()))
-    })?;
+    let adapters = py.detach(|| if pool::is_forked() { Vec::new() } else { adapters() });
+    let experiment = tribochaos::Request::default().resolve().map_err(errors::input)?;
+    let auto = request::choose_one(py, experiment)?.active().device();
     Ok(json!({
         "cpu": cpu::threads(),
         "instruction_sets": sets.collect::<Vec<_>>(),

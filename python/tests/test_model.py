@@ -131,6 +131,40 @@ def test_a_machine_gives_the_parameters_and_its_quantities_vary(tmp_path):
         model.map(zeta_k=[1, 2])
 
 
+def test_what_a_preset_sets_may_vary():
+    model = tc.Model("paper", periods=20)
+    assert model.map(h1=[0.1, 0.5], zeta_k=[3.0, 4.0]).lyapunov.shape == (2, 2)
+    assert len(model.points({"k_w": [0.0, 0.01]})) == 2
+    assert model.replace(k_w=0).melnikov(gamma=0, along="h1").threshold.name == "h1"
+
+
+def test_numbers_of_any_kind_are_taken():
+    model = tc.Model(transient_periods=60, periods=32, align_periods=20)
+    ds = model.map(zeta_k=xr.DataArray([3.0, 4.0]), h1=pd.Series([0.5, 1.0]))
+    assert ds.lyapunov.shape == (2, 2)
+    exact = model.point(zeta_k=3.0).lyapunov
+    for value in (np.float32(3), np.int64(3), np.array(3.0), ds.zeta_k[0], 3):
+        assert model.point(zeta_k=value).lyapunov == exact
+    assert model.melnikov(along="zeta_k", within=np.array([0.0, 5.0])).threshold.value > 0
+    assert model.bifurcation(zeta_k=[3, 4], starts=np.array([[0.1, 0], [1, 0]])).attrs["starts"].tolist() == [0.1, 0, 1, 0]
+
+
+def test_columns_with_an_index_are_brought_into_line():
+    columns = {"zeta_k": pd.Series([3.0, 4.0], index=["a", "b"]), "h1": pd.Series([1.0, 0.5], index=["b", "a"])}
+    out = tc.Model(transient_periods=60, periods=32, align_periods=20).points(columns)
+    assert out.loc["a", ["zeta_k", "h1"]].tolist() == [3.0, 0.5]
+
+
+def test_what_a_machine_varies_has_its_labels(tmp_path):
+    model = tc.Model(tc.Machine(tc.Machine.template()), wear_coefficient=0.0, wear_energy_share=1.0, periods=16)
+    with pytest.warns(tc.TribochaosWarning):
+        diagram = model.bifurcation(shaft_speed_amplitude=[115.0, 230.0])
+    assert diagram.shaft_speed_amplitude.attrs["units"] == "rad/s"
+    with pytest.warns(tc.TribochaosWarning):
+        run = model.trajectory(periods=1)
+    assert all(isinstance(value, (str, int, float)) for value in run.attrs.values()) and run.attrs["scale_time"] > 0
+
+
 def test_models_are_replaced_and_not_changed():
     model = tc.Model(h1=0.5, periods=100)
     other = model.replace(h1=0.7, scheme="radau")

@@ -3,6 +3,7 @@
 import doctest
 import importlib
 import inspect
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -57,6 +58,17 @@ def test_only_numpy_is_needed_to_import():
     )
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ran.stdout == "[]\n"
+
+
+def test_datasets_that_xarray_opens_have_the_accessor():
+    code = """
+import tribochaos as tc
+tc.Model(transient_periods=60, periods=32, align_periods=20).map(zeta_k=[3, 4], h1=[0.5, 1], store="m.zarr")
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)
+    code = "import tribochaos.accessor, xarray; print(xarray.open_zarr('m.zarr').tc.plot().get_xlabel())"
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env={**os.environ, "MPLBACKEND": "Agg"})
+    assert ran.stdout.startswith("amplitude"), ran.stderr
 
 
 def test_everything_public_is_documented():

@@ -61,6 +61,36 @@ def test_what_is_not_computed_is_hatched(ds):
     rendered(figure)
 
 
+def test_classes_belong_to_their_points(ds):
+    drawn = []
+    for same in (ds, ds.assign(period=ds.period.transpose("zeta_k", "h1")), ds.isel(h1=slice(None, None, -1))):
+        figure, ax = plt.subplots()
+        same.tc.plot("period", ax=ax)
+        (low, high), (left, right) = ax.get_ylim(), ax.get_xlim()
+        pixels = np.asarray(ax.collections[0].get_array())
+        upright = pixels if ax.get_xlabel().startswith("amplitude") else pixels.transpose(1, 0, 2)
+        drawn.append(upright)
+        rendered(figure)
+    assert all((one == drawn[0]).all() for one in drawn)
+    with pytest.raises(ValueError, match="needs the class"):
+        ds.drop_vars("class").tc.plot("period")
+    wrong = ds.copy(deep=True)
+    wrong["class"][0, 0] = 77
+    with pytest.raises(ValueError, match="class has no code 77"):
+        wrong.tc.plot()
+    figure, ax = plt.subplots()
+    ds[["lyapunov"]].tc.plot(ax=ax)
+    rendered(figure)
+    with pytest.raises(ValueError, match="by xarray"):
+        ds.assign(own=2 * ds.lyapunov).tc.plot("own")
+
+
+def test_a_dataset_without_states_is_told():
+    gone = tc.Model(b=-1.0, epsilon=0.0).section(points=10)
+    with pytest.raises(ValueError, match="no state to draw"):
+        gone.tc.plot()
+
+
 def test_slices_and_logarithmic_axes_are_drawn():
     four = tc.Model(transient_periods=60, periods=32, align_periods=20).map(
         zeta_k=np.linspace(3, 5, 6), epsilon_0="log:1e-3:1e-1:5", omega_0=[2.0, 1.0]

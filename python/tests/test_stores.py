@@ -4,6 +4,7 @@ import json
 import subprocess
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -45,6 +46,23 @@ def test_points_are_those_of_a_scan_bit_for_bit(program):
         assert out[name].to_numpy().tobytes() == stored[name].to_numpy().tobytes()
 
 
+def test_a_section_is_that_of_the_program_bit_for_bit(program):
+    subprocess.run([program, "poincare", "--points", "300", "--out", "p"], check=True, capture_output=True)
+    states = pd.read_csv("p.csv", comment="#", float_precision="round_trip")
+    # a model's periods are those of its maps
+    section = tc.Model(periods=100).section(points=300)
+    assert (states.x.to_numpy() == section.x.to_numpy()).all() and (states.y.to_numpy() == section.y.to_numpy()).all()
+
+
+def test_an_onset_is_that_of_the_program(program):
+    options = ["--x", "zeta_k=3:4:11", "--onset-spacing", "0.05", "--set", "h1=0.2", "--initial-states", "8"]
+    told = subprocess.run([program, "lyapunov", *options, "--json"], check=True, capture_output=True, text=True)
+    found = tc.Model(h1=0.2, initial_states=8).onset("zeta_k", within=(3, 4), spacing=0.05)
+    theirs = json.loads(told.stdout)["onset"]
+    assert (found.onset.value, found.onset.lyapunov) == (theirs["value"], theirs["lyapunov"])
+    assert found.onset.initial_state == tuple(theirs["initial_state"])
+
+
 def test_a_store_is_gone_on_with_and_belongs_to_one_experiment(program):
     model = tc.Model(**BRIEF)
     ds = model.map(zeta_k=np.linspace(3, 5, 20), store="s.zarr")
@@ -62,8 +80,9 @@ def test_a_store_is_gone_on_with_and_belongs_to_one_experiment(program):
 
 
 def test_what_is_no_store_is_told():
-    with pytest.raises(FileNotFoundError, match="no store at nowhere.zarr"):
-        tc.open("nowhere.zarr")
+    for name in ("nowhere.zarr", "run--b.zarr", "my--out.zarr"):
+        with pytest.raises(FileNotFoundError, match=f"no store at {name}"):
+            tc.open(name)
     tc.Model(**BRIEF).map(zeta_k=[3, 4], store="s.zarr")
     with pytest.raises(ValueError, match="does not hold contact_time"):
         tc.open("s.zarr", quantities=["contact_time"])

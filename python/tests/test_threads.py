@@ -120,6 +120,18 @@ def test_ctrl_c_returns_what_is_finished():
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are sent otherwise there")
+def test_ctrl_c_stops_what_is_kept_nowhere():
+    for call in (
+        "[tc.Model(transient_periods=60, periods=32, align_periods=20, backend='cpu').map(zeta_k=[3, 4]) for _ in range(10**6)]",
+        "tc.Model().trajectory(periods=200_000, samples=4)",
+        "tc.Model().melnikov(samples=1_000_000)",
+        "tc.Model(periods=10**6).point()",
+    ):
+        code, out, err = interrupted(f"told.append(1)\nprint('begun', flush=True)\n{call}")
+        assert code in (130, -signal.SIGINT) and "KeyboardInterrupt" in err, (call, err)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are sent otherwise there")
 def test_ctrl_c_keeps_what_is_finished_in_the_store():
     code, out, err = interrupted(f"{LONG}, progress=tell, store='s.zarr')")
     assert code in (130, -signal.SIGINT) and "kept in s.zarr" in err

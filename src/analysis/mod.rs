@@ -19,7 +19,7 @@ pub mod threshold;
 
 use std::ops::ControlFlow;
 
-pub use crate::dynamics::history::{History, Sample, history};
+pub use crate::dynamics::history::{History, Sample, follow, history};
 
 /// A callback: it receives the number of instance-periods that were done since its last call, and may break the work off.
 pub type Progress<'a> = dyn FnMut(u64) -> ControlFlow<()> + 'a;

@@ -2,7 +2,7 @@
 //!
 //! Owns its samples; the motion between them is [`super::adaptive`]'s.
 
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 use super::adaptive::{Control, Orbit, Peaks, System};
 use super::radau::ModeStep;
@@ -56,6 +56,23 @@ pub struct History {
 /// # Panics
 /// If `samples` is 0.
 pub fn history(parameters: &ParameterSet, integration: &Integration, shown: Range<u32>, samples: u32) -> History {
+    let followed = follow(parameters, integration, shown, samples, &mut || {
+        ControlFlow::Continue(())
+    });
+    followed.expect("nothing breaks it off")
+}
+
+/// The same; after every forcing period `go_on` may break it off, and the result is None.
+///
+/// # Panics
+/// If `samples` is 0.
+pub fn follow(
+    parameters: &ParameterSet,
+    integration: &Integration,
+    shown: Range<u32>,
+    samples: u32,
+    go_on: &mut dyn FnMut() -> ControlFlow<()>,
+) -> Option<History> {
     assert!(samples > 0, "samples in a period");
     let spectrum = ThermalModes::new(parameters[Parameter::Biot], integration.modes as usize);
     let modes = HeatModes::new(parameters, &spectrum);
@@ -77,6 +94,9 @@ pub fn history(parameters: &ParameterSet, integration: &Integration, shown: Rang
     let mut all = vec![sample(&orbit)];
     let mut given_up = false;
     'run: for period in 0..shown.end {
+        if go_on().is_break() {
+            return None;
+        }
         for part in 0..samples {
             orbit.part_of_period(&system, &control, &mut peaks, None, &mut scratch, part, samples);
             given_up = orbit.under_resolved + orbit.runaway > 0.0;
@@ -90,7 +110,7 @@ pub fn history(parameters: &ParameterSet, integration: &Integration, shown: Rang
         }
     }
     let time = |[periods, rest]: [f64; 2]| periods * parameters.forcing_period() + rest;
-    History {
+    Some(History {
         samples: all,
         contact_lost: (peaks.lost[0] >= 0.0).then(|| time(peaks.lost)),
         given_up,
@@ -100,5 +120,5 @@ pub fn history(parameters: &ParameterSet, integration: &Integration, shown: Rang
         peak_pressure: peaks.pressure,
         peak_pressure_time: time(peaks.pressure_time),
         peak_temperature: peaks.temperature,
-    }
+    })
 }

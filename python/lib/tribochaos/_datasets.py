@@ -37,7 +37,8 @@ def open(path: str | os.PathLike[str], quantities: Sequence[str] | None = None) 
     Returns
     -------
     xarray.Dataset
-        As :meth:`Model.map` or :meth:`Model.points` gave it. Points that are not computed yet are NaN.
+        As :meth:`Model.map` gives it, with a dimension for each axis; a list of points has the one dimension ``point``, and
+        its columns are coordinates. Points that are not computed yet are NaN.
 
     Raises
     ------
@@ -46,8 +47,16 @@ def open(path: str | os.PathLike[str], quantities: Sequence[str] | None = None) 
     ValueError
         If it is no store of tribochaos, was written by a newer version, is damaged, or lacks a quantity.
     """
-    names = None if quantities is None else list(quantities)
-    return dataset(_native.open(Path(path), names))
+    return dataset(_native.open(Path(path), named(quantities)))
+
+
+def named(quantities: Sequence[str] | None) -> list[str] | None:
+    """Names of quantities as a list."""
+    if quantities is None:
+        return None
+    if isinstance(quantities, str) or not all(isinstance(name, str) for name in quantities):
+        raise ValueError(f"quantities = {quantities!r}: a list of names is needed")
+    return list(quantities)
 
 
 def dataset(arrays: dict[str, Any]) -> xr.Dataset:

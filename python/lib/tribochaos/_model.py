@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import difflib
 import json
-import numbers
 import os
 import warnings
 from pathlib import Path
@@ -14,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._datasets import dataset, table
+from ._datasets import dataset, named
 from ._machine import Machine
 from ._progress import Progress, observed
 from ._results import Melnikov, Onset, Point, Threshold
@@ -47,6 +46,12 @@ _SETTINGS = (
     "backend",
     "adapter",
 )
+
+# of methods
+_KEYWORDS = ("quantities", "store", "force", "alone", "progress", "points", "samples", "starts", "follow", "within")
+
+# more make a table that nobody opens
+_MOST_SAMPLES = 1_000_000
 
 # few points do not use a GPU fully, and their errors are looked at
 _ANALYSIS: Mapping[str, Any] = {"backend": "cpu", "decide_early": False}
@@ -92,7 +97,7 @@ class Model:
     Raises
     ------
     ValueError
-        If a name is unknown, or a value is out of its range.
+        If a name is unknown, a value is out of its range, or a parameter follows from the machine.
 
     Examples
     --------
@@ -209,7 +214,7 @@ class Model:
             is unknown; or if the store has the results of another experiment.
         KeyboardInterrupt
             By Ctrl-C with ``store``, which keeps what is finished. Without a store what is finished is returned, with a
-            :class:`StoppedWarning`, and the rest is NaN.
+            :class:`StoppedWarning`, and the rest is NaN; only if nothing or all is finished, the exception is raised.
 
         References
         ----------
@@ -269,10 +274,21 @@ class Model:
 
         import pandas as pd
 
-        frame = table if isinstance(table, pd.DataFrame) else pd.DataFrame({k: np.asarray(v) for k, v in table.items()})
+        if not isinstance(table, (pd.DataFrame, Mapping)):
+            raise ValueError(f"a list of points is a DataFrame or a mapping of arrays, and not {type(table).__name__}")
+        if not isinstance(table, pd.DataFrame):
+            for name, column in table.items():
+                _refuse_masked(f"the column {name}", column)
+        # columns with an index are brought into line by it
+        frame = table if isinstance(table, pd.DataFrame) else pd.DataFrame(dict(table))
+        if not frame.columns.is_unique:
+            raise ValueError("two columns have one name: leave one of them out")
         for name in frame.columns:
             if not isinstance(name, str):
                 raise ValueError(f"the column {name!r} has no name: name it after a parameter")
+            _check_name(name)
+            if name in values:
+                raise ValueError(f"{name} is a column, and set to a value as well: leave one of the two out")
             if frame[name].dtype.kind not in "fiu":
                 raise ValueError(f"the column {name} has the type {frame[name].dtype}: numbers are needed")
         rows = np.ascontiguousarray(frame.to_numpy(dtype=np.float64))
@@ -314,7 +330,7 @@ class Model:
         periods : int, optional
             Forcing periods that are followed.
         samples : int, optional
-            Samples in each period.
+            Samples in each period, from 4 to 4096; at most a million in all.
         **values : float
             Values that are not the model's.
 
@@ -323,18 +339,18 @@ class Model:
         xarray.Dataset
             Over the dimension ``tau``: ``x`` and ``y``, angle and speed of the bush; ``v``, the sliding speed; ``p``, the
             contact pressure, which is 1 without heat and wear and 0 after contact is lost; ``u_w``, the wear;
-            ``theta``, the temperature of the surface. All are dimensionless; of a machine, ``attrs["scales"]`` leads to
-            SI units. ``attrs["status"]`` tells how it ended: ``ok``, ``runaway`` or ``under_resolved``.
+            ``theta``, the temperature of the surface. All are dimensionless; of a machine, the attributes ``scale_time``,
+            ``scale_pressure`` and others lead to SI units. ``attrs["status"]`` tells how it ended: ``ok``, ``runaway`` or ``under_resolved``.
         """
         import xarray as xr
 
         from ._datasets import register
 
         register()
-        for name, value, low, high in (("periods", periods, 1, 10_000_000), ("samples", samples, 4, 4096)):
-            if not low <= value <= high:
-                raise ValueError(f"{name} = {value} is out of range: it must be from {low} to {high}")
-        request = self._request(self._set(values), {**_ANALYSIS, "scheme": "radau"}, without=("scheme", "backend"))
+        samples = _whole("samples", samples, 4, 4096)
+        periods = _whole("periods", periods, 1, _MOST_SAMPLES // samples)
+        own = ("scheme", "backend", "precision", "adapter")
+        request = self._request(self._set(values), {**_ANALYSIS, "scheme": "radau"}, without=own)
         _warn(request)
         columns, end = _native.trajectory(request, periods, samples)
         labels = {
@@ -347,11 +363,17 @@ class Model:
         }
         tau = ("tau", columns.pop("tau"), {"long_name": "time", "units": "tau"})
         variables = {name: ("tau", column, _labels(labels[name], "1")) for name, column in columns.items()}
-        attrs = {name: value for name, value in json.loads(end).items() if value is not None}
+        ended = json.loads(end)
+        scales = ended.pop("scales") or {}
+        attrs = {name: value for name, value in ended.items() if value is not None}
+        attrs.update({f"scale_{name}": value for name, value in scales.items()})
         return xr.Dataset(variables, {"tau": tau}, {**self._attributes(request), **attrs, "kind": "trajectory"})
 
     def section(self, *, points: int = 100_000, progress: Progress = None, **values: float) -> xr.Dataset:
         """Compute the stroboscopic section of an attractor: states at drive phase 0.
+
+        They come after 500 forcing periods, unless the model says otherwise. How many periods are measured follows from
+        ``points``, whatever the model's ``periods``.
 
         Parameters
         ----------
@@ -378,9 +400,8 @@ class Model:
         from ._datasets import register
 
         register()
-        if not 1 <= points <= 200_000_000:
-            raise ValueError(f"points = {points} is out of range: it must be from 1 to 200000000")
-        request = self._request(self._set(values), _ANALYSIS)
+        points = _whole("points", points, 1, 200_000_000)
+        request = self._request(self._set(values), {**_ANALYSIS, "transient_periods": 500})
         _warn(request)
         with observed(progress, "section") as observer:
             x, y, runaways, orbits = _native.section(request, points, observer)
@@ -404,7 +425,7 @@ class Model:
         Parameters
         ----------
         starts : sequence of (x, y), optional
-            Initial states; by default (x0, y0), and others with ``initial_states``.
+            Initial states, in place of the model's: (x0, y0), and others with ``initial_states``.
         follow : {"up", "down"}, optional
             Begin at each value with the states at the next lower, or next higher, value. Where the two differ,
             attractors coexist.
@@ -424,21 +445,26 @@ class Model:
         from ._datasets import register
 
         register()
+        if follow not in (None, "up", "down"):
+            raise ValueError(f"follow = {follow!r}: up and down are the directions")
         values, given = self._parted(axis)
         name, axis_values = _only(given, "a bifurcation diagram")
         request = self._request(values, {**_ANALYSIS, "periods": 200})
         _add_axis(request, name, axis_values)
         _warn(request)
         with observed(progress, "bifurcation") as observer:
-            found = _native.bifurcation(request, [_state(start) for start in starts or ()], follow, observer)
-        along, x, y, runaways = found
-        meaning = PARAMETERS[name].meaning if name in PARAMETERS else name
-        coords = {name: (name, along, _labels(meaning, "1"))}
+            found = _native.bifurcation(request, _states(starts), follow, observer)
+        along, labels, x, y, runaways = found
+        coords = {name: (name, along, json.loads(labels))}
         variables = {
             "x": ((name, "state"), x, _labels("angle of the bush", "1")),
             "y": ((name, "state"), y, _labels("angular speed of the bush", "1")),
         }
         attrs = {**self._attributes(request), "runaways": runaways, "kind": "bifurcation"}
+        if starts is not None:
+            attrs["starts"] = np.asarray(_states(starts)).ravel()
+        if follow is not None:
+            attrs["follow"] = follow
         return xr.Dataset(variables, coords, attrs)
 
     def onset(
@@ -464,8 +490,8 @@ class Model:
         within : (low, high), optional
             The range that is searched; (0, 12) for ``zeta_k``, and needed for others.
         starts : sequence of (x, y), optional
-            Initial states, any of which may lead to chaos; (0.1, 0), (1, 0) and (-1, 0) by default, or (x0, y0) if one
-            of the two is set.
+            Initial states, any of which may lead to chaos. By default they are the model's, if it has x0, y0 or
+            ``initial_states``, and else (0.1, 0), (1, 0) and (-1, 0).
         spacing : float, optional
             The distance of the values that are tried; 0.0025 for ``zeta_k``, and about a thousandth of the range for
             others.
@@ -478,19 +504,20 @@ class Model:
         -------
         Onset
         """
+        _check_name(name)
+        if name in values:
+            raise ValueError(f"{name} is searched, and set to a value as well: leave one of the two out")
         low, high = _range(name, within)
         own = self._set(values, without=(name,))
         request = self._request(own, _ANALYSIS)
         request.axis_text(name, f"{low!r}:{high!r}:2")
         _warn(request)
-        is_set = "x0" in own or "y0" in own or self._base == "paper"
-        if starts is None and is_set:
-            paper = {"x0": 0.0, "y0": 0.0} if self._base == "paper" else {"x0": 0.1, "y0": 0.0}
-            starts = [(own.get("x0", paper["x0"]), own.get("y0", paper["y0"]))]
-        elif starts is None:
+        is_chosen = {"x0", "y0"} & own.keys() or "initial_states" in self._settings or self._base == "paper"
+        if starts is None and not is_chosen:
             starts = [(0.1, 0.0), (1.0, 0.0), (-1.0, 0.0)]
+        distance = None if spacing is None else _number("spacing", spacing)
         with observed(progress, "onset") as observer:
-            return Onset._from_json(_native.onset(request, [_state(start) for start in starts], spacing, observer))
+            return Onset._from_json(_native.onset(request, _states(starts), distance, observer))
 
     def melnikov(
         self,
@@ -522,8 +549,11 @@ class Model:
         ValueError
             With heat or wear, or for b <= 0, where there is no homoclinic orbit.
         """
-        if samples < 1:
-            raise ValueError(f"samples = {samples} is out of range: it must be at least 1")
+        samples = _whole("samples", samples, 1, _MOST_SAMPLES)
+        if within is not None and along is None:
+            raise ValueError("within is the range of a search: give along, too")
+        if along is not None:
+            _check_name(along)
         own = self._set(values)
         tau_0, function, rest = _native.melnikov(self._request(own, {}), samples)
         threshold = None
@@ -534,7 +564,7 @@ class Model:
                     raise ValueError(f"the search along {along} needs a range: give within=(low, high)")
                 within = (0.1 if along == "b" else max(info.low, 0.0), min(info.high, 20.0))
             request = self._request({key: value for key, value in own.items() if key != along}, {})
-            low, high = within
+            low, high = (_number("within", end) for end in within)
             request.axis_text(along, f"{low!r}:{high!r}:121")
             kind, value = _native.melnikov_threshold(request)
             threshold = Threshold(along, kind, value)
@@ -584,9 +614,7 @@ def _ran(
     progress: Progress,
 ) -> dict[str, Any]:
     """Run a design, and tell how it ended."""
-    if isinstance(quantities, str):
-        raise ValueError(f"quantities are a list of names: write [{quantities!r}]")
-    names = None if quantities is None else list(quantities)
+    names = named(quantities)
     path = None if store is None else Path(store)
     if path is not None and path.suffix != ".zarr":
         raise ValueError(f"{path} is no store: its name should end in .zarr")
@@ -599,7 +627,8 @@ def _ran(
     if stopped is None:
         return arrays
     part = f"{arrays['finished']:.0%} of the units"
-    if not isinstance(stopped, KeyboardInterrupt):
+    # where nothing or all is finished there is nothing to save, and a loop of short runs is to stop
+    if not isinstance(stopped, KeyboardInterrupt) or (path is None and arrays["finished"] in (0.0, 1.0)):
         raise stopped
     if path is not None:
         raise KeyboardInterrupt(f"{part} are finished and kept in {path}: the same call goes on from there") from None
@@ -609,7 +638,11 @@ def _ran(
 
 def _set_all(request: _native.Request, settings: Mapping[str, Any]) -> None:
     for name, value in settings.items():
-        request.setting(name, json.dumps(value, default=_plain))
+        try:
+            request.setting(name, json.dumps(value, default=_plain, allow_nan=False))
+        except ValueError as error:
+            words = str(error)
+            raise ValueError(words if name in words else f"the setting {name} = {value!r}: {words}") from None
 
 
 def _warn(request: _native.Request) -> None:
@@ -618,9 +651,11 @@ def _warn(request: _native.Request) -> None:
 
 
 def _add_axis(request: _native.Request, name: str, values: Any) -> None:
+    _check_name(name)
     if isinstance(values, str):
         request.axis_text(name, values)
         return
+    _refuse_masked(f"the axis of {name}", values)
     array = np.asarray(values)
     if array.ndim != 1:
         raise ValueError(f"the axis of {name} has the shape {array.shape}: an array of one dimension is needed")
@@ -642,20 +677,47 @@ def _range(name: str, within: tuple[float, float] | None) -> tuple[float, float]
             raise ValueError(f"the search along {name} needs a range: give within=(low, high)")
         return (0.0, 12.0)
     low, high = within
-    return (float(low), float(high))
+    return (_number("within", low), _number("within", high))
 
 
-def _state(start: Sequence[float]) -> tuple[float, float]:
-    x, y = start
-    return (float(x), float(y))
+def _states(starts: Any) -> list[tuple[float, float]] | None:
+    """Initial states as pairs."""
+    if starts is None:
+        return None
+    pairs = np.asarray(starts)
+    if pairs.size and (pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.dtype.kind not in "fiu"):
+        raise ValueError(f"starts = {starts!r}: a list of pairs (x, y) is needed, such as [(0.1, 0.0)]")
+    return [(float(x), float(y)) for x, y in pairs.reshape(-1, 2)]
 
 
 def _number(name: str, value: Any) -> float:
-    if isinstance(value, numbers.Real) and not isinstance(value, bool):
-        return float(value)
-    if isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind in "fiu":
-        return float(value)
+    """A number of any kind, but no truth value."""
+    if not isinstance(value, (str, bytes, bool)):
+        array = np.asarray(value)
+        if array.ndim == 0 and array.dtype.kind in "fiu":
+            return float(array)
     raise ValueError(_with_setting(name, f"{name} = {value!r} is no number"))
+
+
+def _whole(name: str, value: Any, low: int, high: int) -> int:
+    """A whole number within its range."""
+    number = _number(name, value)
+    if number != int(number) or not low <= number <= high:
+        raise ValueError(f"{name} = {value} is out of range: it must be a whole number from {low} to {high}")
+    return int(number)
+
+
+def _refuse_masked(what: str, values: Any) -> None:
+    if np.ma.isMaskedArray(values) and np.ma.is_masked(values):
+        raise ValueError(f"{what} has masked values: leave them out")
+
+
+def _check_name(name: str) -> None:
+    """Check that a name is one of a parameter or a quantity of a machine."""
+    try:
+        _native.check_name(name)
+    except ValueError as error:
+        raise ValueError(_with_setting(name, str(error))) from None
 
 
 def _plain(value: Any) -> Any:
@@ -673,5 +735,5 @@ def _with_setting(name: str, message: str) -> str:
     """A message on a name that is unknown among the parameters; it may be a setting that is misspelt."""
     if name in PARAMETERS or "did you mean" in message:
         return message
-    near = difflib.get_close_matches(name, _SETTINGS, n=1, cutoff=0.75)
-    return f"{message}; or did you mean the setting {near[0]}?" if near else message
+    near = difflib.get_close_matches(name, [*_SETTINGS, *_KEYWORDS], n=1, cutoff=0.75)
+    return f"{message}; or did you mean {near[0]}?" if near else message

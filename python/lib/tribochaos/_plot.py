@@ -100,10 +100,16 @@ def _draw_map(
     if len(dims) != 2 or min(squeezed[quantity].shape) < 2:
         sizes = dict(zip(dims, squeezed[quantity].shape))
         raise ValueError(f"a map has two axes, and this has {sizes}: choose values of the others by .sel or .isel")
-    # cells lie in rising order, whatever the order of the values
+    # cells lie in rising order, whatever the order of the values; codes have the same
     squeezed = squeezed.sortby(list(dims))
+    squeezed = squeezed.drop_vars([name for name, other in squeezed.data_vars.items() if set(other.dims) != set(dims)])
+    squeezed = squeezed.transpose(*dims)
     y, x = (squeezed[dim] for dim in dims)
-    values, classes, status = (_plane(squeezed, name) for name in (quantity, "class", "status"))
+    if quantity == "period" and "class" not in squeezed:
+        raise ValueError("a picture of periods needs the class of each point: ask for the quantity class as well")
+    values = _plane(squeezed[quantity])
+    classes = _code(squeezed, "class", values, np.nan)
+    status = _code(squeezed, "status", values, 0.0)
     limits = None if limits is None else (float(limits[0]), float(limits[1]))
     pixels, meaning = _native.shades(quantity, values, classes, status, limits, colours)
     found = json.loads(meaning)
@@ -148,15 +154,20 @@ def _hex(colour: list[int]) -> str:
     return "#" + bytes(colour).hex()
 
 
-def _plane(dataset: xr.Dataset, name: str) -> _Floats:
-    """A variable as a table of numbers, with NaN where a code is none; zeros for a status that is not there."""
-    if name not in dataset:
-        shape = next(iter(dataset.data_vars.values())).shape
-        return np.full(shape, 0.0 if name == "status" else np.nan)
-    values: _Floats = dataset[name].to_numpy().astype(np.float64)
+def _plane(variable: xr.DataArray) -> _Floats:
+    """A variable as a table of numbers, with NaN where a code is none."""
+    if variable.dtype.kind not in "fiub":
+        raise ValueError(f"{variable.name} has the type {variable.dtype}: numbers are drawn")
+    values: _Floats = variable.to_numpy().astype(np.float64)
+    name = str(variable.name)
     if name in QUANTITIES and QUANTITIES[name].codes:
         values[values == NO_CODE] = np.nan
     return np.ascontiguousarray(values)
+
+
+def _code(dataset: xr.Dataset, name: str, like: _Floats, missing: float) -> _Floats:
+    """A code at the points of a map; `missing` everywhere if the dataset does not have it."""
+    return _plane(dataset[name]) if name in dataset else np.full(like.shape, missing)
 
 
 def _pixels(ax: Axes) -> tuple[int, int]:
@@ -168,6 +179,8 @@ def _pixels(ax: Axes) -> tuple[int, int]:
 
 def _widened(values: _Floats) -> tuple[float, float]:
     """The range of values with a margin, so that none lies on the frame."""
+    if not np.isfinite(values).any():
+        raise ValueError("there is no state to draw: all orbits ran away or were given up")
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     margin = 0.03 * (high - low) if high > low else 0.5
     return (low - margin, high + margin)
@@ -196,7 +209,7 @@ def _draw_bifurcation(
     dataset = dataset.sortby(str(dataset[quantity].dims[0]))
     along = dataset[str(dataset[quantity].dims[0])]
     states = dataset[quantity].to_numpy()
-    low, high = limits or _widened(states)
+    low, high = _widened(states) if limits is None else limits
     edges = np.linspace(low, high, (_pixels(ax)[1] if bins is None else bins) + 1)
     counts = np.array([np.histogram(row[np.isfinite(row)], edges)[0] for row in states])
     shown = np.ma.masked_equal(counts.T, 0)
@@ -211,7 +224,7 @@ def _draw_trajectory(dataset: xr.Dataset, quantity: str, ax: Axes, limits: tuple
         raise ValueError(f"the dataset has no {quantity}: it has {', '.join(map(str, dataset.data_vars))}")
     ax.plot(dataset["tau"], dataset[quantity], linewidth=1.0)
     ax.set_xlabel("time τ")
-    ax.set_ylabel(f"{dataset[quantity].attrs['long_name']} {quantity}")
+    ax.set_ylabel(f"{dataset[quantity].attrs.get('long_name', '')} {quantity}".strip())
     if limits is not None:
         ax.set_ylim(*limits)
 
