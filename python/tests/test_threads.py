@@ -138,3 +138,24 @@ def test_ctrl_c_keeps_what_is_finished_in_the_store():
     code, out, err = interrupted(f"{LONG}, progress=tell, store='s.zarr')")
     assert code in (130, -signal.SIGINT) and "kept in s.zarr" in err
     assert tc.open("s.zarr").lyapunov.shape == (100, 200)
+
+
+def test_a_bar_shows_progress_where_tqdm_is_there(monkeypatch):
+    class Bar:
+        total, n = 0, 0
+
+        def __init__(self, total, desc, **_):
+            Bar.total, Bar.n, Bar.desc, Bar.is_closed = total, 0, desc, False
+
+        def update(self, more):
+            Bar.n += more
+
+        def close(self):
+            Bar.is_closed = True
+
+    monkeypatch.setattr("tqdm.auto.tqdm", Bar)
+    tc.Model(**BRIEF).map(zeta_k=np.linspace(0, 12, 400), h1=np.linspace(0, 2, 40), progress=True)
+    assert Bar.desc == "map" and 0 < Bar.n <= Bar.total and Bar.is_closed
+    monkeypatch.setitem(sys.modules, "tqdm.auto", None)
+    with pytest.raises(ImportError, match="pip install tqdm"):
+        tc.Model(**BRIEF).map(zeta_k=[3, 4], progress=True)
