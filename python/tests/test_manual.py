@@ -29,7 +29,9 @@ def test_the_blocks_of_a_page_run(page, capsys):
 def test_the_notebook_runs():
     nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
     notebook = nbformat.read(ROOT / "python/examples/tour.ipynb", as_version=4)
-    pictures = sum("image/png" in output.get("data", {}) for cell in notebook.cells for output in cell.get("outputs", []))
+    pictures = sum(
+        "image/png" in output.get("data", {}) for cell in notebook.cells for output in cell.get("outputs", [])
+    )
     assert pictures >= 4, "it is committed with its pictures"
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

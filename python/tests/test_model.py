@@ -5,9 +5,8 @@ import dataclasses
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
-
 import tribochaos as tc
+import xarray as xr
 
 
 def test_a_map_has_labels_units_and_the_experiment():
@@ -82,7 +81,10 @@ def test_a_trajectory_is_followed_with_heat_and_wear():
     run = model.trajectory(zeta_k=3.9, periods=30, samples=64)
     assert {"x", "y", "v", "p", "u_w", "theta"} == set(run.data_vars)
     assert run.p.isel(tau=0) == 1.0 and run.u_w.isel(tau=-1) > 0 and run.theta.max() > 0
-    assert run.attrs["contact_time"] < run.tau[-1] and (run.p.where(run.tau > run.attrs["contact_time"], drop=True) == 0).all()
+    assert (
+        run.attrs["contact_time"] < run.tau[-1]
+        and (run.p.where(run.tau > run.attrs["contact_time"], drop=True) == 0).all()
+    )
     free = tc.Model(zeta_k=3.9, scheme="taylor").trajectory(periods=2, samples=16)
     assert free.sizes["tau"] == 33 and (free.p == 1).all()
     rate = np.gradient(tc.Model(zeta_k=3.9).trajectory(periods=2, samples=4096).x, free.tau[-1].item() / 8192)
@@ -146,7 +148,12 @@ def test_numbers_of_any_kind_are_taken():
     for value in (np.float32(3), np.int64(3), np.array(3.0), ds.zeta_k[0], 3):
         assert model.point(zeta_k=value).lyapunov == exact
     assert model.melnikov(along="zeta_k", within=np.array([0.0, 5.0])).threshold.value > 0
-    assert model.bifurcation(zeta_k=[3, 4], starts=np.array([[0.1, 0], [1, 0]])).attrs["starts"].tolist() == [0.1, 0, 1, 0]
+    assert model.bifurcation(zeta_k=[3, 4], starts=np.array([[0.1, 0], [1, 0]])).attrs["starts"].tolist() == [
+        0.1,
+        0,
+        1,
+        0,
+    ]
 
 
 def test_columns_with_an_index_are_brought_into_line():
@@ -175,6 +182,8 @@ def test_models_are_replaced_and_not_changed():
 
 def test_the_tables_tell_what_there_is():
     assert tc.PARAMETERS["h1"].default == 0.5 and tc.PARAMETERS["ramp_rate"].high == np.inf
-    assert tc.QUANTITIES["class"].codes == tc.CLASSES == ("chaotic", "regular", "quasi_periodic", "undecided", "unstable")
+    assert (
+        tc.QUANTITIES["class"].codes == tc.CLASSES == ("chaotic", "regular", "quasi_periodic", "undecided", "unstable")
+    )
     assert (tc.CLASSES[tc.CHAOTIC], tc.CLASSES[tc.UNSTABLE]) == ("chaotic", "unstable")
     assert "CPU" in tc.devices().auto or "GPU" in tc.devices().auto or tc.devices().adapters

@@ -9,7 +9,6 @@ import sys
 from pathlib import Path
 
 import pytest
-
 import tribochaos as tc
 
 HERE = Path(__file__).parent
@@ -67,7 +66,9 @@ tc.Model(transient_periods=60, periods=32, align_periods=20).map(zeta_k=[3, 4], 
 """
     subprocess.run([sys.executable, "-c", code], check=True)
     code = "import tribochaos.accessor, xarray; print(xarray.open_zarr('m.zarr').tc.plot().get_xlabel())"
-    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env={**os.environ, "MPLBACKEND": "Agg"})
+    ran = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env={**os.environ, "MPLBACKEND": "Agg"}
+    )
     assert ran.stdout.startswith("amplitude"), ran.stderr
 
 

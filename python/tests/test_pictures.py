@@ -5,9 +5,8 @@ import io
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-import xarray as xr
-
 import tribochaos as tc
+import xarray as xr
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +65,6 @@ def test_classes_belong_to_their_points(ds):
     for same in (ds, ds.assign(period=ds.period.transpose("zeta_k", "h1")), ds.isel(h1=slice(None, None, -1))):
         figure, ax = plt.subplots()
         same.tc.plot("period", ax=ax)
-        (low, high), (left, right) = ax.get_ylim(), ax.get_xlim()
         pixels = np.asarray(ax.collections[0].get_array())
         upright = pixels if ax.get_xlabel().startswith("amplitude") else pixels.transpose(1, 0, 2)
         drawn.append(upright)

@@ -6,9 +6,8 @@ import subprocess
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
-
 import tribochaos as tc
+import xarray as xr
 
 BRIEF = dict(transient_periods=60, periods=32, align_periods=20)
 OPTIONS = ["--transient-periods", "60", "--periods", "32", "--align-periods", "20", "--backend", "cpu"]

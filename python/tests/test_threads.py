@@ -10,7 +10,6 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import pytest
-
 import tribochaos as tc
 
 BRIEF = dict(transient_periods=60, periods=32, align_periods=20, backend="cpu")

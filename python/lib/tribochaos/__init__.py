@@ -33,6 +33,7 @@ import tempfile as _tempfile
 if _os.name == "posix":
     _os.environ.setdefault("XDG_RUNTIME_DIR", _tempfile.gettempdir())
 
+from ._datasets import open, register_if_loaded
 from ._machine import Machine
 from ._model import Model
 from ._results import Devices, Melnikov, Onset, Point, Threshold
@@ -52,7 +53,6 @@ from ._tables import (
     devices,
 )
 from ._warnings import StoppedWarning, TribochaosWarning
-from ._datasets import open, register_if_loaded
 
 register_if_loaded()
 

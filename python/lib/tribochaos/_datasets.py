@@ -66,9 +66,7 @@ def dataset(arrays: dict[str, Any]) -> xr.Dataset:
     register()
 
     def labelled(kind: str) -> dict[str, Any]:
-        return {
-            name: (tuple(dims), values, json.loads(attrs)) for name, (dims, values, attrs) in arrays[kind].items()
-        }
+        return {name: (tuple(dims), values, json.loads(attrs)) for name, (dims, values, attrs) in arrays[kind].items()}
 
     attrs = json.loads(arrays["attrs"])
     kept = {name: value for name, value in attrs.items() if name not in _OF_STORES}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import os
 import warnings
@@ -13,6 +12,20 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
+from ._checks import (
+    SETTINGS,
+    add_axis,
+    check_name,
+    described,
+    number,
+    only,
+    range_of,
+    refuse_masked,
+    set_all,
+    states,
+    whole,
+    with_setting,
+)
 from ._datasets import dataset, named
 from ._machine import Machine
 from ._progress import Progress, observed
@@ -26,29 +39,6 @@ if TYPE_CHECKING:
 
 Axis = Union[npt.ArrayLike, str]
 """Values along an axis: an array, or a text of the program such as ``"0:12:300"`` or ``"log:1e-3:1:20"``."""
-
-_SETTINGS = (
-    "scheme",
-    "steps_per_period",
-    "modes",
-    "tolerance",
-    "renormalise_every",
-    "precision",
-    "periods",
-    "transient_periods",
-    "align_periods",
-    "decide_early",
-    "period_tolerance",
-    "max_period",
-    "initial_states",
-    "initial_box",
-    "seed",
-    "backend",
-    "adapter",
-)
-
-# of methods
-_KEYWORDS = ("quantities", "store", "force", "alone", "progress", "points", "samples", "starts", "follow", "within")
 
 # more make a table that nobody opens
 _MOST_SAMPLES = 1_000_000
@@ -132,12 +122,12 @@ class Model:
     ) -> None:
         given = locals()
         self._base = base
-        self._settings: dict[str, Any] = {name: given[name] for name in _SETTINGS if given[name] is not None}
-        self._values = {name: _number(name, value) for name, value in values.items()}
+        self._settings: dict[str, Any] = {name: given[name] for name in SETTINGS if given[name] is not None}
+        self._values = {name: number(name, value) for name, value in values.items()}
         self._request(self._values, {})
         # settings are checked here and now, whatever the values will be
         bare = _native.Request()
-        _set_all(bare, self._settings)
+        set_all(bare, self._settings)
         bare.warnings()
 
     @property
@@ -233,7 +223,7 @@ class Model:
             raise ValueError("a map needs an axis: give an array for at least one parameter, or call point")
         request = self._request(values, {})
         for name, axis in given.items():
-            _add_axis(request, name, axis)
+            add_axis(request, name, axis)
         return dataset(_ran(request, quantities, True, store, force, alone, progress))
 
     def points(
@@ -270,15 +260,15 @@ class Model:
             If a column is unknown or not of numbers, or a value is NaN or out of its range: all faults are named, with
             rows counted from 1.
         """
-        from ._datasets import table as made
-
         import pandas as pd
+
+        from ._datasets import table as made
 
         if not isinstance(table, (pd.DataFrame, Mapping)):
             raise ValueError(f"a list of points is a DataFrame or a mapping of arrays, and not {type(table).__name__}")
         if not isinstance(table, pd.DataFrame):
             for name, column in table.items():
-                _refuse_masked(f"the column {name}", column)
+                refuse_masked(f"the column {name}", column)
         # columns with an index are brought into line by it
         frame = table if isinstance(table, pd.DataFrame) else pd.DataFrame(dict(table))
         if not frame.columns.is_unique:
@@ -286,7 +276,7 @@ class Model:
         for name in frame.columns:
             if not isinstance(name, str):
                 raise ValueError(f"the column {name!r} has no name: name it after a parameter")
-            _check_name(name)
+            check_name(name)
             if name in values:
                 raise ValueError(f"{name} is a column, and set to a value as well: leave one of the two out")
             if frame[name].dtype.kind not in "fiu":
@@ -347,13 +337,13 @@ class Model:
         from ._datasets import register
 
         register()
-        samples = _whole("samples", samples, 4, 4096)
-        periods = _whole("periods", periods, 1, _MOST_SAMPLES // samples)
+        samples = whole("samples", samples, 4, 4096)
+        periods = whole("periods", periods, 1, _MOST_SAMPLES // samples)
         own = ("scheme", "backend", "precision", "adapter")
         request = self._request(self._set(values), {**_ANALYSIS, "scheme": "radau"}, without=own)
         _warn(request)
         columns, end = _native.trajectory(request, periods, samples)
-        labels = {
+        meanings = {
             "x": "angle of the bush",
             "y": "angular speed of the bush",
             "v": "sliding speed",
@@ -362,7 +352,7 @@ class Model:
             "theta": "temperature of the contact surface",
         }
         tau = ("tau", columns.pop("tau"), {"long_name": "time", "units": "tau"})
-        variables = {name: ("tau", column, _labels(labels[name], "1")) for name, column in columns.items()}
+        variables = {name: ("tau", column, described(meanings[name], "1")) for name, column in columns.items()}
         ended = json.loads(end)
         scales = ended.pop("scales") or {}
         attrs = {name: value for name, value in ended.items() if value is not None}
@@ -400,14 +390,14 @@ class Model:
         from ._datasets import register
 
         register()
-        points = _whole("points", points, 1, 200_000_000)
+        points = whole("points", points, 1, 200_000_000)
         request = self._request(self._set(values), {**_ANALYSIS, "transient_periods": 500})
         _warn(request)
         with observed(progress, "section") as observer:
             x, y, runaways, orbits = _native.section(request, points, observer)
         variables = {
-            "x": ("point", x, _labels("angle of the bush", "1")),
-            "y": ("point", y, _labels("angular speed of the bush", "1")),
+            "x": ("point", x, described("angle of the bush", "1")),
+            "y": ("point", y, described("angular speed of the bush", "1")),
         }
         attrs = {**self._attributes(request), "orbits": orbits, "runaways": runaways, "kind": "section"}
         return xr.Dataset(variables, attrs=attrs)
@@ -448,21 +438,21 @@ class Model:
         if follow not in (None, "up", "down"):
             raise ValueError(f"follow = {follow!r}: up and down are the directions")
         values, given = self._parted(axis)
-        name, axis_values = _only(given, "a bifurcation diagram")
+        name, axis_values = only(given, "a bifurcation diagram")
         request = self._request(values, {**_ANALYSIS, "periods": 200})
-        _add_axis(request, name, axis_values)
+        add_axis(request, name, axis_values)
         _warn(request)
         with observed(progress, "bifurcation") as observer:
-            found = _native.bifurcation(request, _states(starts), follow, observer)
+            found = _native.bifurcation(request, states(starts), follow, observer)
         along, labels, x, y, runaways = found
         coords = {name: (name, along, json.loads(labels))}
         variables = {
-            "x": ((name, "state"), x, _labels("angle of the bush", "1")),
-            "y": ((name, "state"), y, _labels("angular speed of the bush", "1")),
+            "x": ((name, "state"), x, described("angle of the bush", "1")),
+            "y": ((name, "state"), y, described("angular speed of the bush", "1")),
         }
         attrs = {**self._attributes(request), "runaways": runaways, "kind": "bifurcation"}
         if starts is not None:
-            attrs["starts"] = np.asarray(_states(starts)).ravel()
+            attrs["starts"] = np.asarray(states(starts)).ravel()
         if follow is not None:
             attrs["follow"] = follow
         return xr.Dataset(variables, coords, attrs)
@@ -504,10 +494,10 @@ class Model:
         -------
         Onset
         """
-        _check_name(name)
+        check_name(name)
         if name in values:
             raise ValueError(f"{name} is searched, and set to a value as well: leave one of the two out")
-        low, high = _range(name, within)
+        low, high = range_of(name, within)
         own = self._set(values, without=(name,))
         request = self._request(own, _ANALYSIS)
         request.axis_text(name, f"{low!r}:{high!r}:2")
@@ -515,9 +505,9 @@ class Model:
         is_chosen = {"x0", "y0"} & own.keys() or "initial_states" in self._settings or self._base == "paper"
         if starts is None and not is_chosen:
             starts = [(0.1, 0.0), (1.0, 0.0), (-1.0, 0.0)]
-        distance = None if spacing is None else _number("spacing", spacing)
+        distance = None if spacing is None else number("spacing", spacing)
         with observed(progress, "onset") as observer:
-            return Onset._from_json(_native.onset(request, _states(starts), distance, observer))
+            return Onset._from_json(_native.onset(request, states(starts), distance, observer))
 
     def melnikov(
         self,
@@ -549,11 +539,11 @@ class Model:
         ValueError
             With heat or wear, or for b <= 0, where there is no homoclinic orbit.
         """
-        samples = _whole("samples", samples, 1, _MOST_SAMPLES)
+        samples = whole("samples", samples, 1, _MOST_SAMPLES)
         if within is not None and along is None:
             raise ValueError("within is the range of a search: give along, too")
         if along is not None:
-            _check_name(along)
+            check_name(along)
         own = self._set(values)
         tau_0, function, rest = _native.melnikov(self._request(own, {}), samples)
         threshold = None
@@ -564,13 +554,15 @@ class Model:
                     raise ValueError(f"the search along {along} needs a range: give within=(low, high)")
                 within = (0.1 if along == "b" else max(info.low, 0.0), min(info.high, 20.0))
             request = self._request({key: value for key, value in own.items() if key != along}, {})
-            low, high = (_number("within", end) for end in within)
+            low, high = (number("within", end) for end in within)
             request.axis_text(along, f"{low!r}:{high!r}:121")
             kind, value = _native.melnikov_threshold(request)
             threshold = Threshold(along, kind, value)
         return Melnikov(tau_0, function, **json.loads(rest), threshold=threshold)
 
-    def _request(self, values: Mapping[str, float], defaults: Mapping[str, Any], without: Sequence[str] = ()) -> _native.Request:
+    def _request(
+        self, values: Mapping[str, float], defaults: Mapping[str, Any], without: Sequence[str] = ()
+    ) -> _native.Request:
         """A request with the model's base and settings, the given values, and defaults for settings that are not given."""
         request = _native.Request()
         if isinstance(self._base, Machine):
@@ -580,17 +572,17 @@ class Model:
         elif self._base is not None:
             raise ValueError(f"a model begins with the name of a preset or a Machine, and not with {self._base!r}")
         own = {name: value for name, value in self._settings.items() if name not in without}
-        _set_all(request, {**defaults, **own})
+        set_all(request, {**defaults, **own})
         for name, value in values.items():
             try:
                 request.set(name, value)
             except ValueError as error:
-                raise ValueError(_with_setting(name, str(error))) from None
+                raise ValueError(with_setting(name, str(error))) from None
         return request
 
     def _set(self, values: Mapping[str, float], without: Sequence[str] = ()) -> dict[str, float]:
         """The model's values with others in their place, and without those that vary."""
-        own = {**self._values, **{name: _number(name, value) for name, value in values.items()}}
+        own = {**self._values, **{name: number(name, value) for name, value in values.items()}}
         return {name: value for name, value in own.items() if name not in without}
 
     def _parted(self, keywords: Mapping[str, Any]) -> tuple[dict[str, float], dict[str, Any]]:
@@ -636,104 +628,6 @@ def _ran(
     return arrays
 
 
-def _set_all(request: _native.Request, settings: Mapping[str, Any]) -> None:
-    for name, value in settings.items():
-        try:
-            request.setting(name, json.dumps(value, default=_plain, allow_nan=False))
-        except ValueError as error:
-            words = str(error)
-            raise ValueError(words if name in words else f"the setting {name} = {value!r}: {words}") from None
-
-
 def _warn(request: _native.Request) -> None:
     for text in request.warnings():
         warnings.warn(text, TribochaosWarning, stacklevel=3)
-
-
-def _add_axis(request: _native.Request, name: str, values: Any) -> None:
-    _check_name(name)
-    if isinstance(values, str):
-        request.axis_text(name, values)
-        return
-    _refuse_masked(f"the axis of {name}", values)
-    array = np.asarray(values)
-    if array.ndim != 1:
-        raise ValueError(f"the axis of {name} has the shape {array.shape}: an array of one dimension is needed")
-    if array.size > 0 and array.dtype.kind not in "fiu":
-        raise ValueError(f"the axis of {name} has the type {array.dtype}: numbers are needed")
-    request.axis(name, np.ascontiguousarray(array, dtype=np.float64))
-
-
-def _only(axes: Mapping[str, Any], what: str) -> tuple[str, Any]:
-    if len(axes) != 1:
-        names = f": {', '.join(axes)}" if axes else ""
-        raise ValueError(f"{what} needs one axis, and there are {len(axes)}{names}")
-    return next(iter(axes.items()))
-
-
-def _range(name: str, within: tuple[float, float] | None) -> tuple[float, float]:
-    if within is None:
-        if name != "zeta_k":
-            raise ValueError(f"the search along {name} needs a range: give within=(low, high)")
-        return (0.0, 12.0)
-    low, high = within
-    return (_number("within", low), _number("within", high))
-
-
-def _states(starts: Any) -> list[tuple[float, float]] | None:
-    """Initial states as pairs."""
-    if starts is None:
-        return None
-    pairs = np.asarray(starts)
-    if pairs.size and (pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.dtype.kind not in "fiu"):
-        raise ValueError(f"starts = {starts!r}: a list of pairs (x, y) is needed, such as [(0.1, 0.0)]")
-    return [(float(x), float(y)) for x, y in pairs.reshape(-1, 2)]
-
-
-def _number(name: str, value: Any) -> float:
-    """A number of any kind, but no truth value."""
-    if not isinstance(value, (str, bytes, bool)):
-        array = np.asarray(value)
-        if array.ndim == 0 and array.dtype.kind in "fiu":
-            return float(array)
-    raise ValueError(_with_setting(name, f"{name} = {value!r} is no number"))
-
-
-def _whole(name: str, value: Any, low: int, high: int) -> int:
-    """A whole number within its range."""
-    number = _number(name, value)
-    if number != int(number) or not low <= number <= high:
-        raise ValueError(f"{name} = {value} is out of range: it must be a whole number from {low} to {high}")
-    return int(number)
-
-
-def _refuse_masked(what: str, values: Any) -> None:
-    if np.ma.isMaskedArray(values) and np.ma.is_masked(values):
-        raise ValueError(f"{what} has masked values: leave them out")
-
-
-def _check_name(name: str) -> None:
-    """Check that a name is one of a parameter or a quantity of a machine."""
-    try:
-        _native.check_name(name)
-    except ValueError as error:
-        raise ValueError(_with_setting(name, str(error))) from None
-
-
-def _plain(value: Any) -> Any:
-    """A setting of a numpy type as one that JSON has."""
-    if isinstance(value, (np.generic, np.ndarray)):
-        return value.tolist()
-    raise ValueError(f"{value!r} is no value of a setting")
-
-
-def _labels(long_name: str, units: str) -> dict[str, str]:
-    return {"long_name": long_name, "units": units}
-
-
-def _with_setting(name: str, message: str) -> str:
-    """A message on a name that is unknown among the parameters; it may be a setting that is misspelt."""
-    if name in PARAMETERS or "did you mean" in message:
-        return message
-    near = difflib.get_close_matches(name, [*_SETTINGS, *_KEYWORDS], n=1, cutoff=0.75)
-    return f"{message}; or did you mean {near[0]}?" if near else message

@@ -241,7 +241,9 @@ def _is_logarithmic(values: _Floats) -> bool:
     if values.size < 3 or values[0] <= 0.0:
         return False
     ratios = np.diff(np.log(values))
-    return bool(np.allclose(ratios, ratios[0], rtol=1e-6)) and not bool(np.allclose(np.diff(values), values[1] - values[0]))
+    return bool(np.allclose(ratios, ratios[0], rtol=1e-6)) and not bool(
+        np.allclose(np.diff(values), values[1] - values[0])
+    )
 
 
 def _edges(values: _Floats) -> _Floats:
