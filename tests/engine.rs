@@ -31,6 +31,19 @@ fn experiment(x: &str, y: &str, settings: Settings) -> Experiment {
     request.resolve().unwrap()
 }
 
+/// Short runs, which settle on most cycles.
+fn brief() -> Settings {
+    Settings {
+        sampling: Sampling {
+            transient_periods: 60,
+            align_periods: 20,
+            periods: 64,
+            ..Sampling::default()
+        },
+        ..Settings::default()
+    }
+}
+
 fn cpu(precision: Precision) -> Backends {
     Backends::new(Box::new(CpuBackend::new(precision)), None)
 }
@@ -196,16 +209,7 @@ fn a_map_whose_gpu_is_lost_is_finished_on_the_cpu() {
 #[test]
 fn a_store_whose_gpu_is_lost_is_finished_on_the_cpu() {
     let Some(context) = gpu_context::open() else { return };
-    let settings = Settings {
-        sampling: Sampling {
-            transient_periods: 60,
-            align_periods: 20,
-            periods: 64,
-            ..Sampling::default()
-        },
-        ..Settings::default()
-    };
-    let experiment = experiment("zeta_k=3:5:40", "h1=0.3:1.5:24", settings);
+    let experiment = experiment("zeta_k=3:5:40", "h1=0.3:1.5:24", brief());
     let folder = tempfile::tempdir().unwrap();
     let quantities = [Quantity::Lyapunov, Quantity::Backend];
     let mut store = Store::create(&folder.path().join("lost.zarr"), &experiment, &quantities, 96).unwrap();
@@ -306,16 +310,7 @@ fn two_devices_share_the_units_and_make_the_results_of_one() {
     let (Some(first), Some(second)) = (gpu_context::open(), gpu_context::open()) else {
         return;
     };
-    let settings = Settings {
-        sampling: Sampling {
-            transient_periods: 60,
-            align_periods: 20,
-            periods: 64,
-            ..Sampling::default()
-        },
-        ..Settings::default()
-    };
-    let experiment = experiment("zeta_k=3:5:40", "h1=0.3:1.5:24", settings);
+    let experiment = experiment("zeta_k=3:5:40", "h1=0.3:1.5:24", brief());
     let run = |contexts: Vec<GpuContext>| {
         let mut backends: Vec<Backends> = contexts
             .into_iter()

@@ -261,7 +261,8 @@ fn exponents_by_radau_have_an_error_that_covers_theirs() {
     let exact = measure(&mut CpuBackend::new(Precision::F64), &Settings::default(), &points);
     for (m, exact) in on_gpu.iter().zip(&exact) {
         assert_eq!(m.class, exact.class);
-        assert!(m.scheme_error >= 0.0 && m.lyapunov_error >= m.scheme_error, "{m:?}");
+        // rounding alone has a share
+        assert!(m.scheme_error > 0.0 && m.lyapunov_error >= m.scheme_error, "{m:?}");
         let allowed = 3.0 * m.lyapunov_error.hypot(exact.lyapunov_error);
         assert!((m.lyapunov - exact.lyapunov).abs() <= allowed, "{m:?} {exact:?}");
     }

@@ -7,23 +7,24 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
-use tribochaos::analysis::bifurcation::{Columns, diagram};
+use tribochaos::analysis::bifurcation as diagrams;
+use tribochaos::analysis::bifurcation::Columns;
+use tribochaos::analysis::melnikov::{SEARCH_VALUES, default_search};
 use tribochaos::analysis::onset as onsets;
 use tribochaos::analysis::onset::{Definition, Scan};
 use tribochaos::analysis::path::ended;
 use tribochaos::analysis::{follow, section as sections};
-use tribochaos::design::Axis;
+use tribochaos::design::{Axis, Coordinate};
 use tribochaos::engine::{self, initial_states};
 use tribochaos::experiment::Experiment;
-use tribochaos::machine::Machine;
 use tribochaos::measure::Status;
 use tribochaos::model::melnikov::{Melnikov, Threshold, threshold};
 use tribochaos::parameters::Parameter;
 use tribochaos::results::labels;
 
-use crate::errors;
 use crate::request::{self, Request};
 use crate::watch::watch;
+use crate::{errors, tables};
 
 /// Follows the point of a request over time, `samples` times in each of `periods`. Returns an array for each column, and how it ended
 /// in JSON.
@@ -57,15 +58,6 @@ pub fn trajectory<'py>(
     column("p", &|sample| sample.pressure)?;
     column("u_w", &|sample| sample.wear)?;
     column("theta", &|sample| sample.temperature)?;
-    let scales = at.machine().map(Machine::scales).map(|scales| {
-        json!({
-            "time": scales.time,
-            "speed": scales.speed,
-            "pressure": scales.pressure,
-            "length": scales.length,
-            "temperature": scales.temperature,
-        })
-    });
     let (status, runaway_time) = match ended(&run) {
         Status::Runaway { time } => ("runaway", Some(time)),
         Status::UnderResolved => ("under_resolved", None),
@@ -78,7 +70,7 @@ pub fn trajectory<'py>(
         "peak_pressure": run.peak_pressure,
         "peak_pressure_time": run.peak_pressure_time,
         "peak_temperature": run.peak_temperature,
-        "scales": scales,
+        "scales": at.machine().map(tables::scales),
     });
     Ok((columns, end.to_string()))
 }
@@ -134,9 +126,6 @@ pub fn section<'py>(
     Ok((column(0), column(1), section.runaways, plan.orbits))
 }
 
-/// Most states of a diagram: more do not fit into memory and a usable table.
-const MOST_STATES: u64 = 50_000_000;
-
 /// The bifurcation diagram over the axis of a request. Returns the values of the axis, its attributes in JSON, x and y as tables with a
 /// row for each value, padded with NaN, and the number of orbits that ran away or were given up.
 #[pyfunction]
@@ -165,22 +154,16 @@ pub fn bifurcation<'py>(
             return Err(errors::input(format!("`{other}` is no direction: up and down are")));
         }
     };
-    columns.check(&experiment).map_err(errors::input)?;
     let axis = only_axis(&experiment)?;
     let attributes = labels::coordinates(&experiment.design).swap_remove(0).attributes;
     let starts = self::starts(&experiment, starts)?;
-    let states = axis.count() as u64 * starts.len() as u64 * u64::from(experiment.settings.sampling.periods);
-    if states > MOST_STATES {
-        return Err(errors::input(format!(
-            "{states} states are too many (at most {MOST_STATES}): use fewer values, initial states or periods"
-        )));
-    }
+    diagrams::check(&experiment, columns, starts.len()).map_err(errors::input)?;
     let (settings, fixed) = (experiment.settings, experiment.design.fixed);
     let mut backends = request::choose_one(py, experiment)?;
     let periods = u64::from(settings.sampling.transient_periods + settings.sampling.periods);
     let work = (axis.count() * starts.len()) as u64 * periods;
     let found = watch(py, observer, work, |progress| {
-        diagram(
+        diagrams::diagram(
             backends.active_mut(),
             &settings,
             &fixed,
@@ -221,13 +204,15 @@ fn only_axis(experiment: &Experiment) -> PyResult<Axis> {
     }
 }
 
-/// Onset and end of chaos over the axis of a request, in JSON.
+/// Onset and end of chaos over the axis of a request, in JSON. Without `starts`, the initial states are the request's if `is_chosen`, and
+/// else those that the library tries.
 #[pyfunction]
-#[pyo3(signature = (request, starts, spacing, observer))]
+#[pyo3(signature = (request, starts, is_chosen, spacing, observer))]
 pub fn onset(
     py: Python<'_>,
     request: &Request,
     starts: Option<Vec<[f64; 2]>>,
+    is_chosen: bool,
     spacing: Option<f64>,
     observer: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<String> {
@@ -235,7 +220,8 @@ pub fn onset(
     experiment.check_lasting().map_err(errors::input)?;
     experiment.check_start_fixed().map_err(errors::input)?;
     let axis = only_axis(&experiment)?;
-    let starts = self::starts(&experiment, starts)?;
+    let by_default = || (!is_chosen).then(|| onsets::STARTS.to_vec());
+    let starts = self::starts(&experiment, starts.or_else(by_default))?;
     let spacing = onsets::checked_spacing(&axis, spacing).map_err(errors::input)?;
     let (settings, at) = (experiment.settings, experiment.design.fixed);
     let definition = Definition::new(&settings);
@@ -245,7 +231,7 @@ pub fn onset(
         axis: onsets::fine_axis(&axis, spacing),
         starts: &starts,
     };
-    scan.check().map_err(errors::input)?;
+    onsets::check_grid(&at, &scan.axis).map_err(errors::input)?;
     let mut backends = request::choose_one(py, experiment)?;
     let work = engine::instance_periods(&definition.settings, scan.axis.count() * starts.len());
     let bounds = watch(py, observer, work, |progress| {
@@ -314,13 +300,28 @@ pub fn melnikov<'py>(
     ))
 }
 
-/// Where Mel'nikov's function begins or ceases to change sign along the axis of a request: which of `begins`, `ceases`, `always` and
-/// `never`, and the value.
+/// Where Mel'nikov's function begins or ceases to change sign along a parameter, `within` a range or the one that the library searches:
+/// which of `begins`, `ceases`, `always` and `never`, and the value.
 #[pyfunction]
-pub fn melnikov_threshold(py: Python<'_>, request: &Request) -> PyResult<(&'static str, Option<f64>)> {
-    let experiment = request.experiment().map_err(errors::input)?;
-    let axis = only_axis(&experiment)?;
-    let found = py.detach(|| threshold(&experiment.design.fixed, &axis));
+#[pyo3(signature = (request, along, within))]
+pub fn melnikov_threshold(
+    py: Python<'_>,
+    request: &Request,
+    along: &str,
+    within: Option<(f64, f64)>,
+) -> PyResult<(&'static str, Option<f64>)> {
+    let at = request.point().map_err(errors::input)?.design.fixed;
+    let axis = if let Some((low, high)) = within {
+        Axis::even(along, low, high, SEARCH_VALUES).map_err(errors::input)?
+    } else {
+        let coordinate = Coordinate::from_name(along).map_err(errors::input)?;
+        default_search(&at, coordinate).ok_or_else(|| {
+            errors::input(format!(
+                "the search along {along} needs a range: give within=(low, high)"
+            ))
+        })?
+    };
+    let found = py.detach(|| threshold(&at, &axis));
     Ok(match found.map_err(errors::input)? {
         Threshold::Begins(value) => ("begins", Some(value)),
         Threshold::Ceases(value) => ("ceases", Some(value)),

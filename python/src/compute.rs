@@ -18,13 +18,6 @@ use crate::request::{self, Request};
 use crate::watch::{Watched, watch};
 use crate::{dataset, errors};
 
-/// Where the results of a run go, if not into memory.
-struct Into {
-    path: PathBuf,
-    force: bool,
-    alone: bool,
-}
-
 /// Runs the design of a request, and returns the arrays of a dataset with `finished`, the share of its units that are computed,
 /// `stopped`, the exception that stopped the run or None, and `note`, what was done to a store or None. What was finished before a
 /// stop is there.
@@ -46,54 +39,30 @@ pub fn run<'py>(
         None if as_map => Quantity::of_map(&experiment),
         None => Quantity::of_scan(&experiment),
     };
-    match store {
-        Some(path) => into_store(py, &experiment, &quantities, observer, &Into { path, force, alone }),
-        None => into_memory(py, &experiment, &quantities, observer),
-    }
-}
-
-fn into_memory<'py>(
-    py: Python<'py>,
-    experiment: &Experiment,
-    quantities: &[Quantity],
-    observer: Option<&Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
     let mut backends = request::choose(py, experiment.clone())?;
-    let unit = backends[0].points_per_unit(experiment);
-    let mut table = Table::of(experiment.clone(), quantities, unit);
-    let ran = carried_out(py, experiment, &mut backends, &mut table, observer)?;
-    let finished = ran.finished;
-    let results = table.into_results();
-    let attributes = dataset::attributes(&results);
-    let dataset = dataset::of(py, results, attributes)?;
-    dataset.set_item("finished", finished)?;
-    dataset.set_item("stopped", ran.stopped_by)?;
-    dataset.set_item("note", None::<String>)?;
-    Ok(dataset)
-}
-
-fn into_store<'py>(
-    py: Python<'py>,
-    experiment: &Experiment,
-    quantities: &[Quantity],
-    observer: Option<&Bound<'py, PyAny>>,
-    into: &Into,
-) -> PyResult<Bound<'py, PyDict>> {
-    let mut backends = request::choose(py, experiment.clone())?;
-    let wanted = Wanted {
-        experiment,
-        quantities,
-        unit: backends[0].points_per_unit(experiment),
-        force: into.force,
-        alone: into.alone,
+    let unit = backends[0].points_per_unit(&experiment);
+    let (ran, dataset, note) = if let Some(path) = store {
+        let wanted = Wanted {
+            experiment: &experiment,
+            quantities: &quantities,
+            unit,
+            force,
+            alone,
+        };
+        let opened = wanted.open(&path).map_err(|error| errors::store(&error))?;
+        let mut store = opened.store;
+        let ran = carried_out(py, &experiment, &mut backends, &mut store, observer)?;
+        (ran, read(py, &store, &quantities)?, opened.note)
+    } else {
+        let mut table = Table::of(experiment.clone(), &quantities, unit);
+        let ran = carried_out(py, &experiment, &mut backends, &mut table, observer)?;
+        let results = table.into_results();
+        let attributes = dataset::attributes(&results);
+        (ran, dataset::of(py, results, attributes)?, None)
     };
-    let opened = wanted.open(&into.path).map_err(|error| errors::store(&error))?;
-    let mut store = opened.store;
-    let ran = carried_out(py, experiment, &mut backends, &mut store, observer)?;
-    let dataset = read(py, &store, quantities)?;
     dataset.set_item("finished", ran.finished)?;
     dataset.set_item("stopped", ran.stopped_by)?;
-    dataset.set_item("note", opened.note.map(|note| errors::words(&note)))?;
+    dataset.set_item("note", note.map(|note| errors::words(&note)))?;
     Ok(dataset)
 }
 

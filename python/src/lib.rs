@@ -47,7 +47,7 @@ mod _native {
     #[pymodule_export]
     use super::main;
     #[pymodule_export]
-    use super::request::{Request, check_name};
+    use super::request::{Request, check_name, settings};
     #[pymodule_export]
     use super::shades::{ramp, shades};
     #[pymodule_export]

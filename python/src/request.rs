@@ -5,10 +5,11 @@
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use serde_json::Value;
+use tribochaos::analysis::{bifurcation, section};
 use tribochaos::design::{Axis, Coordinate, Points, Spacing};
 
 use tribochaos::engine::{Backends, choice};
-use tribochaos::experiment::{BackendChoice, Experiment, ExperimentError, Preset};
+use tribochaos::experiment::{BackendChoice, Experiment, ExperimentError, Preset, Scheme};
 use tribochaos::machine::Description;
 
 use crate::{errors, pool};
@@ -49,9 +50,23 @@ pub struct Request(pub tribochaos::Request);
 
 #[pymethods]
 impl Request {
+    /// A request for a map or a list of points, or for one of the analyses `point`, `trajectory`, `section` and `bifurcation`,
+    /// with its defaults.
     #[new]
-    fn new() -> Self {
-        Self::default()
+    #[pyo3(signature = (analysis = None))]
+    fn new(analysis: Option<&str>) -> PyResult<Self> {
+        let Some(analysis) = analysis else {
+            return Ok(Self::default());
+        };
+        let mut request = tribochaos::Request::of_analysis();
+        match analysis {
+            "point" => {}
+            "trajectory" => request.integration.scheme = Some(Scheme::Radau),
+            "section" => request.sampling.transient_periods = section::TRANSIENT_PERIODS,
+            "bifurcation" => request.sampling.periods = bifurcation::PERIODS,
+            other => return Err(errors::input(format!("there is no analysis `{other}`"))),
+        }
+        Ok(Self(request))
     }
 
     /// Takes the values of a preset.
@@ -154,6 +169,12 @@ impl Request {
     pub fn point(&self) -> Result<Experiment, ExperimentError> {
         self.0.resolve_point()
     }
+}
+
+/// The names of all settings.
+#[pyfunction]
+pub fn settings() -> Vec<&'static str> {
+    SETTINGS.iter().map(|(name, _)| *name).collect()
 }
 
 /// Checks that there is a parameter or a quantity of this name.

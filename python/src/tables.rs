@@ -6,8 +6,7 @@ use pyo3::prelude::*;
 use serde_json::{Map, Value, json};
 use tribochaos::backend::cpu::{self, InstructionSet};
 use tribochaos::backend::gpu::adapters;
-use tribochaos::experiment::Precision;
-use tribochaos::machine::{Description, TEMPLATE};
+use tribochaos::machine::{Description, Machine, TEMPLATE};
 use tribochaos::measure::{Class, QUANTITIES};
 use tribochaos::output::PROGRAM;
 use tribochaos::parameters::PARAMETERS;
@@ -67,13 +66,7 @@ pub fn classes() -> Vec<&'static str> {
 /// The devices of this machine, in JSON.
 #[pyfunction]
 pub fn devices(py: Python<'_>) -> PyResult<String> {
-    let sets = InstructionSet::available().into_iter().map(|set| {
-        json!({
-            "name": set.name(),
-            "lanes_f64": set.lanes(Precision::F64),
-            "lanes_f32": set.lanes(Precision::F32),
-        })
-    });
+    let sets = InstructionSet::available().into_iter().map(InstructionSet::name);
     let adapters = py.detach(|| if pool::is_forked() { Vec::new() } else { adapters() });
     let experiment = tribochaos::Request::default().resolve().map_err(errors::input)?;
     let auto = request::choose_one(py, experiment)?.active().device();
@@ -112,18 +105,23 @@ pub fn machine(text: &str) -> PyResult<String> {
         .fixed_parameters()
         .map(|(parameter, value)| (parameter.name().to_owned(), finite(value)))
         .collect();
-    let scales = machine.scales();
     Ok(json!({
         "quantities": quantities,
         "parameters": parameters,
-        "scales": {
-            "time": scales.time,
-            "speed": scales.speed,
-            "pressure": scales.pressure,
-            "length": scales.length,
-            "temperature": scales.temperature,
-        },
+        "scales": scales(machine),
         "warnings": experiment.machine_warnings(),
     })
     .to_string())
+}
+
+/// What dimensionless numbers are multiplied by to be in SI units.
+pub fn scales(machine: &Machine) -> Value {
+    let scales = machine.scales();
+    json!({
+        "time": scales.time,
+        "speed": scales.speed,
+        "pressure": scales.pressure,
+        "length": scales.length,
+        "temperature": scales.temperature,
+    })
 }

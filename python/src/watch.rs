@@ -89,6 +89,7 @@ pub fn watch<T: Send>(
             outcome
         });
         let mut stopped_by = None;
+        // a computation that panicked is not over, and finished
         while !progress.is_over.load(Ordering::Acquire) && !computing.is_finished() {
             py.detach(|| thread::park_timeout(LOOK));
             let part = progress.done.load(Ordering::Relaxed) as f64 / total.max(1) as f64;

@@ -1,12 +1,14 @@
 """What a model computes, and in which form."""
 
 import dataclasses
+import inspect
 
 import numpy as np
 import pandas as pd
 import pytest
 import tribochaos as tc
 import xarray as xr
+from tribochaos import _native
 
 
 def test_a_map_has_labels_units_and_the_experiment():
@@ -178,6 +180,12 @@ def test_models_are_replaced_and_not_changed():
     assert repr(model) == "Model(h1=0.5, periods=100)"
     assert other.values == {"h1": 0.7} and other.settings == {"scheme": "radau", "periods": 100}
     assert repr(tc.Model("paper", k_w=0)) == "Model('paper', k_w=0.0)"
+
+
+def test_every_setting_is_a_keyword():
+    keywords = inspect.signature(tc.Model).parameters
+    settings = [name for name in keywords if name not in ("base", "values")]
+    assert sorted(settings) == sorted(_native.settings())
 
 
 def test_the_tables_tell_what_there_is():

@@ -23,23 +23,39 @@ pub enum Columns {
     FollowDown,
 }
 
-/// Columns that follow each other carry the angle and the speed of the bush along, and nothing else.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "--follow carries the angle and the speed of the bush from column to column, not the heat of the shaft: leave --follow out, \
-     or set gamma = 0"
-)]
-pub struct HeatIsLost;
+/// Measured periods of a diagram where a user asks for no number.
+pub const PERIODS: u32 = 200;
 
-impl Columns {
-    /// # Errors
-    /// [`HeatIsLost`] if the columns follow each other, and the shaft heats.
-    pub fn check(self, experiment: &Experiment) -> Result<(), HeatIsLost> {
-        if self != Self::Fresh && experiment.has_heat_or_wear() {
-            return Err(HeatIsLost);
-        }
-        Ok(())
+/// Most states: more do not fit into memory and a usable table.
+const MOST_STATES: u64 = 50_000_000;
+
+/// Why there is no diagram.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages tell what each is")]
+pub enum DiagramError {
+    #[error("{states} states are too many (at most {MOST_STATES}): use fewer values, initial states or --periods")]
+    TooMany { states: u64 },
+    #[error(
+        "--follow carries the angle and the speed of the bush from column to column, not the heat of the shaft: leave --follow \
+         out, or set gamma = 0"
+    )]
+    HeatIsLost,
+}
+
+/// Checks, before any work, a diagram over the one axis of an experiment, from so many initial states.
+///
+/// # Errors
+/// [`DiagramError::TooMany`]; [`DiagramError::HeatIsLost`] if the columns follow each other, and the shaft heats.
+pub fn check(experiment: &Experiment, columns: Columns, starts: usize) -> Result<(), DiagramError> {
+    let periods = u64::from(experiment.settings.sampling.periods);
+    let states = (experiment.design.len() * starts) as u64 * periods;
+    if states > MOST_STATES {
+        return Err(DiagramError::TooMany { states });
     }
+    if columns != Columns::Fresh && experiment.has_heat_or_wear() {
+        return Err(DiagramError::HeatIsLost);
+    }
+    Ok(())
 }
 
 /// Stroboscopic states at drive phase 0, column by column.

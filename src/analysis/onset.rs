@@ -12,6 +12,7 @@ use crate::backend::BackendError;
 use crate::design::{Axis, Coordinate, Design, DesignError, Fixed};
 use crate::engine::{Backends, Observer};
 use crate::experiment::{Sampling, Scheme, Settings};
+use crate::machine::units::rounded;
 use crate::measure::{Class, Measurement, Status};
 use crate::parameters::Parameter;
 
@@ -137,11 +138,6 @@ pub fn checked_spacing(axis: &Axis, asked: Option<f64>) -> Result<f64, SpacingEr
     Ok(spacing)
 }
 
-/// A number without the digits that rounding errors fill.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.9e}").parse().unwrap_or(value)
-}
-
 /// Why a spacing does not fit an axis.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages tell what each is")]
@@ -177,6 +173,17 @@ pub fn fine_axis(axis: &Axis, spacing: f64) -> Axis {
     let [start, stop] = [first, last].map(|factor| multiple(factor).clamp(low, high));
     Axis::fine(axis.coordinate, start, stop, (last - first) as usize + 1)
 }
+
+/// Checks a fine grid.
+///
+/// # Errors
+/// If a machine is not valid at some value: it was checked at those of the axis, and not between them.
+pub fn check_grid(at: &Fixed, fine: &Axis) -> Result<(), DesignError> {
+    Design::product(vec![fine.clone()], *at).extents().map(|_| ())
+}
+
+/// Initial states (x, y) that are tried where a user chooses none.
+pub const STARTS: [[f64; 2]; 3] = [[0.1, 0.0], [1.0, 0.0], [-1.0, 0.0]];
 
 /// A value of the fine grid with chaos.
 #[derive(Clone, Copy, Debug)]
@@ -244,13 +251,6 @@ pub struct Bound {
 }
 
 impl Scan<'_> {
-    /// # Errors
-    /// If a machine is not valid at some value of the fine grid.
-    pub fn check(&self) -> Result<(), DesignError> {
-        // a machine was checked at the values of the axis, but not between them
-        Design::product(vec![self.axis.clone()], *self.at).extents().map(|_| ())
-    }
-
     /// Onset and end: the first values with chaos from both ends of the axis. None if the observer broke it off.
     ///
     /// # Errors

@@ -18,6 +18,9 @@ const ORBITS: u32 = 2048;
 /// and so large that the orbits on a chaotic attractor part within some tens of periods.
 pub const SPREAD: f64 = 1e-3;
 
+/// Forcing periods before a section where a user asks for no number: its states are to be those of the attractor alone.
+pub const TRANSIENT_PERIODS: u32 = 500;
+
 /// How a section of so many states is divided.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {

@@ -17,7 +17,7 @@ use crate::backend::BackendError;
 use crate::design::{Axis, Coordinate, Fixed, Points};
 use crate::engine::choice::{self, Choice};
 use crate::engine::{self, initial_states};
-use crate::experiment::{BackendChoice, Experiment, Request};
+use crate::experiment::{Experiment, Request};
 use crate::output::csv;
 use crate::parameters::{PARAMETERS, Parameter, ParameterSet};
 use crate::picture::sheet::Sheet;
@@ -132,15 +132,6 @@ pub fn starts_in_words(starts: &[[f64; 2]]) -> String {
 /// The default axis of the analyses: zeta_k = 0..12.
 pub fn default_axis(count: usize) -> Axis {
     Axis::even(Parameter::ZetaK, 0.0, 12.0, count).expect("the table of parameters admits the default axis")
-}
-
-/// The defaults of the analyses, where they differ from those of all commands. The backend is the CPU: few points do not use a
-/// GPU fully, and f64 leaves no doubt about them. Points are run to their full length, since their errors are shown.
-pub fn defaults() -> Request {
-    let mut defaults = Request::default();
-    defaults.device.backend = BackendChoice::Cpu;
-    defaults.sampling.decide_early = false;
-    defaults
 }
 
 /// The experiment of a request in which no initial state may vary. Prints the warnings of the experiment.

@@ -10,7 +10,7 @@ use serde_json::json;
 use super::analysis::{self, Claim, OutArgs, StartArgs};
 use super::request::{self, AskedAxis, Checked, ExperimentArgs};
 use super::{Failure, words};
-use crate::analysis::bifurcation::{Columns, diagram};
+use crate::analysis::bifurcation::{self, Columns, diagram};
 use crate::design::Axis;
 use crate::engine::Event;
 use crate::experiment::Request;
@@ -71,13 +71,10 @@ fn follow(text: &str) -> Result<Columns, String> {
     }
 }
 
-/// Most states: more do not fit into memory and a usable table.
-const MOST_STATES: u64 = 50_000_000;
-
 /// The defaults of this command.
 pub fn defaults() -> Request {
-    let mut defaults = analysis::defaults();
-    defaults.sampling.periods = 200;
+    let mut defaults = Request::of_analysis();
+    defaults.sampling.periods = bifurcation::PERIODS;
     defaults
 }
 
@@ -102,15 +99,9 @@ pub fn run(args: &BifurcationArgs) -> Result<(), Failure> {
         return Ok(());
     }
     let (settings, axis, starts) = (&experiment.settings, &experiment.design.axes()[0], &options.start.start);
-    let states = axis.count() as u64 * starts.len() as u64 * u64::from(settings.sampling.periods);
-    if states > MOST_STATES {
-        return Err(Failure::Input(anyhow::anyhow!(
-            "{states} states are too many (at most {MOST_STATES}): use fewer values, initial states or --periods"
-        )));
-    }
     let columns = options.follow.unwrap_or(Columns::Fresh);
     experiment.check_lasting().map_err(Failure::input)?;
-    columns.check(&experiment).map_err(Failure::input)?;
+    bifurcation::check(&experiment, columns, starts.len()).map_err(Failure::input)?;
     let mut files = Claim::new(&args.out, "outputs/bifurcation", &[""], &written)?;
     let mut backends = analysis::choose(&experiment)?.backends;
 

@@ -60,7 +60,7 @@ const MOST_SAMPLES: u64 = 1_000_000;
 
 /// The defaults of this command.
 pub fn defaults() -> Request {
-    let mut defaults = analysis::defaults();
+    let mut defaults = Request::of_analysis();
     defaults.integration.scheme = Some(Scheme::Radau);
     defaults.sampling.periods = PERIODS;
     defaults.sampling.transient_periods = 0;

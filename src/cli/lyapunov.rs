@@ -12,9 +12,10 @@ use super::onset::{Outcome, Search};
 use super::request::{self, AskedAxis, Checked, ExperimentArgs};
 use super::{Failure, words};
 use crate::analysis::exponents::{Line, lines};
+use crate::analysis::onset::STARTS;
 use crate::design::Axis;
 use crate::engine;
-use crate::experiment::{Experiment, Sampling, Settings};
+use crate::experiment::{Experiment, Request, Sampling, Settings};
 use crate::measure::{Measurement, Status};
 use crate::output::PROGRAM;
 use crate::parameters::Parameter;
@@ -81,7 +82,9 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
         typed: args.x.as_ref(),
         default: analysis::default_axis(601),
     };
-    let request = args.experiment.request(Some(COMMAND), &analysis::defaults(), [axis])?;
+    let request = args
+        .experiment
+        .request(Some(COMMAND), &Request::of_analysis(), [axis])?;
     let mut options = request::options(&args.options, &request)?;
     let experiment = analysis::resolve(&request)?;
     let is_named = !options.start.is_empty() || analysis::gives_initial_state(&args.experiment, &request);
@@ -90,7 +93,7 @@ pub fn run(args: &LyapunovArgs) -> Result<(), Failure> {
             .start
             .resolve(&options.start, &args.experiment, &experiment)?
     } else {
-        vec![[0.1, 0.0], [1.0, 0.0], [-1.0, 0.0]]
+        STARTS.to_vec()
     };
     let (axis, starts) = (&experiment.design.axes()[0], &options.start.start);
     let exponents = axis.count() * starts.len();

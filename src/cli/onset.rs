@@ -39,13 +39,7 @@ impl Search {
         let spacing = onset::checked_spacing(axis, asked).map_err(Failure::input)?;
         let fine = onset::fine_axis(axis, spacing);
         let definition = Definition::new(settings);
-        let scan = Scan {
-            definition: &definition,
-            at: &experiment.design.fixed,
-            axis: fine.clone(),
-            starts: &[],
-        };
-        scan.check().map_err(Failure::input)?;
+        onset::check_grid(&experiment.design.fixed, &fine).map_err(Failure::input)?;
         Ok(Self {
             definition,
             spacing,

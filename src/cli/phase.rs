@@ -56,7 +56,7 @@ const MOST_ORBITS: usize = charts::MOST_CURVES;
 
 /// The defaults of this command.
 pub fn defaults() -> Request {
-    let mut defaults = analysis::defaults();
+    let mut defaults = Request::of_analysis();
     defaults.sampling.periods = 32;
     defaults
 }

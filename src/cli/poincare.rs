@@ -74,8 +74,8 @@ const MOST_CYCLE_PIXELS: usize = 64;
 
 /// The defaults of this command.
 pub fn defaults() -> Request {
-    let mut defaults = analysis::defaults();
-    defaults.sampling.transient_periods = 500;
+    let mut defaults = Request::of_analysis();
+    defaults.sampling.transient_periods = section::TRANSIENT_PERIODS;
     defaults
 }
 

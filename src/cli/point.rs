@@ -10,7 +10,7 @@ use super::{Failure, analysis, progress, si, words};
 use crate::backend::cpu::CpuBackend;
 use crate::dynamics::spectrum::{Spectrum, lyapunov_spectrum};
 use crate::engine::{Backends, choice};
-use crate::experiment::{Experiment, Integration, Precision, Scheme, Settings};
+use crate::experiment::{Experiment, Integration, Precision, Request, Scheme, Settings};
 use crate::measure::{Measurement, Status, is_scheme_to_blame};
 
 /// The name of the command in files.
@@ -37,7 +37,7 @@ const OUT_HELP: &str =
     "What the names of the drawing and the table of --lifetime begin with [default: outputs/lifetime]";
 
 pub fn run(args: &PointArgs) -> Result<(), Failure> {
-    let request = args.experiment.request(Some(COMMAND), &analysis::defaults(), [])?;
+    let request = args.experiment.request(Some(COMMAND), &Request::of_analysis(), [])?;
     let options = request::options(&args.lifetime, &request)?;
     let experiment = request.resolve_point().map_err(Failure::input)?;
     for warning in experiment.warnings() {

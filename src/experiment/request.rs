@@ -160,6 +160,15 @@ impl Request {
         }
     }
 
+    /// A request for an analysis, as far as it differs from that for a map. The backend is the CPU: few points do not use a GPU
+    /// fully, and f64 leaves no doubt about them. Points are run to their full length, since their errors are shown.
+    pub fn of_analysis() -> Self {
+        let mut request = Self::default();
+        request.device.backend = BackendChoice::Cpu;
+        request.sampling.decide_early = false;
+        request
+    }
+
     /// Requests exactly these settings.
     pub fn set_settings(&mut self, settings: &Settings) {
         self.integration = settings.integration.into();

@@ -57,7 +57,7 @@ impl Unit {
 /// A value with its unit, to five digits: `30.2 nm`.
 pub fn si(value: f64, unit: &str) -> String {
     let unit = Unit::suited(unit, value);
-    let text = rounded(value * unit.factor);
+    let text = five_digits_as_text(value * unit.factor);
     if unit.name.is_empty() {
         text
     } else {
@@ -70,8 +70,13 @@ pub fn five_digits(value: f64) -> f64 {
     format!("{value:.4e}").parse().unwrap_or(value)
 }
 
+/// The value without the digits that rounding errors fill.
+pub fn rounded(value: f64) -> f64 {
+    format!("{value:.9e}").parse().unwrap_or(value)
+}
+
 /// Five digits, without trailing zeros.
-fn rounded(value: f64) -> String {
+fn five_digits_as_text(value: f64) -> String {
     let five = five_digits(value);
     if five == 0.0 || (1e-3..1e6).contains(&five.abs()) || !five.is_finite() {
         five.to_string()

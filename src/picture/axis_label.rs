@@ -3,9 +3,10 @@
 //! Owns units and places of axes; captions are [`super::caption`]'s.
 
 use super::axis_scale::AxisScale;
-use super::ticks::{Tick, number, rounded};
+use super::ticks::{Tick, number};
 use crate::design::{Axis, Fixed, Spacing};
 use crate::machine::units::Unit;
+use crate::machine::units::rounded;
 
 /// The words of an axis, and the factor that converts its values to the unit in the words.
 #[derive(Clone, Debug)]

@@ -2,10 +2,11 @@
 //!
 //! Owns the wording; breaks no lines.
 
-use super::ticks::{number, rounded};
+use super::ticks::number;
 use crate::backend::BackendKind;
 use crate::design::{Coordinate, Fixed};
 use crate::experiment::{Scheme, Settings};
+use crate::machine::units::rounded;
 use crate::machine::units::{Unit, five_digits};
 use crate::parameters::{PARAMETERS, Parameter};
 

@@ -1,6 +1,8 @@
 //! Ticks and numbers for axes, colour bars and captions.
 //!
-//! Owns how numbers are rounded and written; draws nothing.
+//! Owns how numbers are written; draws nothing.
+
+use crate::machine::units::rounded;
 
 /// A labelled value of an axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,11 +103,6 @@ fn label(value: f64, step: f64, largest: f64) -> String {
     let power = 10f64.powi(exponent);
     let mantissa = with_minus(&format!("{:.*}", digits(step / power), value / power));
     format!("{mantissa}×10{}", superscript(exponent))
-}
-
-/// The value without rounding errors in its last digits.
-pub fn rounded(value: f64) -> f64 {
-    format!("{value:.9e}").parse().unwrap_or(value)
 }
 
 /// A number with all the digits that it has.

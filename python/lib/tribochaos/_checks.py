@@ -11,31 +11,14 @@ import numpy as np
 from . import _native
 from ._tables import PARAMETERS
 
-SETTINGS = (
-    "scheme",
-    "steps_per_period",
-    "modes",
-    "tolerance",
-    "renormalise_every",
-    "precision",
-    "periods",
-    "transient_periods",
-    "align_periods",
-    "decide_early",
-    "period_tolerance",
-    "max_period",
-    "initial_states",
-    "initial_box",
-    "seed",
-    "backend",
-    "adapter",
-)
+SETTINGS = tuple(_native.settings())
 
 # of methods
 KEYWORDS = ("quantities", "store", "force", "alone", "progress", "points", "samples", "starts", "follow", "within")
 
 
 def set_all(request: _native.Request, settings: Mapping[str, Any]) -> None:
+    """Put settings into a request."""
     for name, value in settings.items():
         try:
             request.setting(name, json.dumps(value, default=_plain, allow_nan=False))
@@ -45,6 +28,7 @@ def set_all(request: _native.Request, settings: Mapping[str, Any]) -> None:
 
 
 def add_axis(request: _native.Request, name: str, values: Any) -> None:
+    """Put an axis into a request."""
     check_name(name)
     if isinstance(values, str):
         request.axis_text(name, values)
@@ -59,17 +43,15 @@ def add_axis(request: _native.Request, name: str, values: Any) -> None:
 
 
 def only(axes: Mapping[str, Any], what: str) -> tuple[str, Any]:
+    """The one axis, with its name."""
     if len(axes) != 1:
         names = f": {', '.join(axes)}" if axes else ""
         raise ValueError(f"{what} needs one axis, and there are {len(axes)}{names}")
     return next(iter(axes.items()))
 
 
-def range_of(name: str, within: tuple[float, float] | None) -> tuple[float, float]:
-    if within is None:
-        if name != "zeta_k":
-            raise ValueError(f"the search along {name} needs a range: give within=(low, high)")
-        return (0.0, 12.0)
+def range_of(within: Any) -> tuple[float, float]:
+    """The ends of a range."""
     low, high = within
     return (number("within", low), number("within", high))
 
@@ -102,6 +84,7 @@ def whole(name: str, value: Any, low: int, high: int) -> int:
 
 
 def refuse_masked(what: str, values: Any) -> None:
+    """Refuse arrays of which values are masked: numpy would compute with what is behind the mask."""
     if np.ma.isMaskedArray(values) and np.ma.is_masked(values):
         raise ValueError(f"{what} has masked values: leave them out")
 
@@ -119,10 +102,6 @@ def _plain(value: Any) -> Any:
     if isinstance(value, (np.generic, np.ndarray)):
         return value.tolist()
     raise ValueError(f"{value!r} is no value of a setting")
-
-
-def described(long_name: str, units: str) -> dict[str, str]:
-    return {"long_name": long_name, "units": units}
 
 
 def with_setting(name: str, message: str) -> str:

@@ -8,8 +8,7 @@ from . import _native
 
 def main() -> None:
     """Carry out the command line of this process, and end it with the program's exit code."""
-    # the program handles signals itself
-    for name in ("SIGINT", "SIGPIPE"):
-        if (number := getattr(signal, name, None)) is not None and signal.getsignal(number) is not signal.SIG_IGN:
-            signal.signal(number, signal.SIG_DFL if name == "SIGINT" else signal.SIG_IGN)
+    # the program handles Ctrl-C itself; where it was ignored, as by nohup, it stays so
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.exit(_native.main(["tribochaos", *sys.argv[1:]]))

@@ -73,6 +73,34 @@ def dataset(arrays: dict[str, Any]) -> xr.Dataset:
     return xr.Dataset(labelled("variables"), labelled("coords"), kept)
 
 
+_MEANINGS = {
+    "x": "angle of the bush",
+    "y": "angular speed of the bush",
+    "v": "sliding speed",
+    "p": "contact pressure",
+    "u_w": "wear",
+    "theta": "temperature of the contact surface",
+}
+
+
+def variables_of(**columns: tuple[Any, Any]) -> dict[str, Any]:
+    """Variables of a motion with their labels, each from its dimensions and values."""
+    return {
+        name: (dims, values, {"long_name": _MEANINGS[name], "units": "1"}) for name, (dims, values) in columns.items()
+    }
+
+
+def of_analysis(
+    kind: str, request: _native.Request, variables: dict[str, Any], coords: dict[str, Any], attrs: dict[str, Any]
+) -> xr.Dataset:
+    """Make the Dataset of an analysis, which tells its kind and its experiment."""
+    import xarray as xr
+
+    register()
+    own = {"program": _native.program(), "experiment": request.toml(), "kind": kind}
+    return xr.Dataset(variables, coords, {**own, **attrs})
+
+
 def table(arrays: dict[str, Any], index: pd.Index[Any]) -> pd.DataFrame:
     """Make a DataFrame from what the native part returns for a list of points."""
     import pandas as pd

@@ -16,7 +16,6 @@ from ._checks import (
     SETTINGS,
     add_axis,
     check_name,
-    described,
     number,
     only,
     range_of,
@@ -26,7 +25,8 @@ from ._checks import (
     whole,
     with_setting,
 )
-from ._datasets import dataset, named
+from ._datasets import dataset, named, of_analysis, variables_of
+from ._datasets import table as as_table
 from ._machine import Machine
 from ._progress import Progress, observed
 from ._results import Melnikov, Onset, Point, Threshold
@@ -42,9 +42,6 @@ Axis = Union[npt.ArrayLike, str]
 
 # more make a table that nobody opens
 _MOST_SAMPLES = 1_000_000
-
-# few points do not use a GPU fully, and their errors are looked at
-_ANALYSIS: Mapping[str, Any] = {"backend": "cpu", "decide_early": False}
 
 
 class Model:
@@ -124,7 +121,7 @@ class Model:
         self._base = base
         self._settings: dict[str, Any] = {name: given[name] for name in SETTINGS if given[name] is not None}
         self._values = {name: number(name, value) for name, value in values.items()}
-        self._request(self._values, {})
+        self._request(self._values)
         # settings are checked here and now, whatever the values will be
         bare = _native.Request()
         set_all(bare, self._settings)
@@ -221,7 +218,7 @@ class Model:
         values, given = self._parted(axes)
         if not given:
             raise ValueError("a map needs an axis: give an array for at least one parameter, or call point")
-        request = self._request(values, {})
+        request = self._request(values)
         for name, axis in given.items():
             add_axis(request, name, axis)
         return dataset(_ran(request, quantities, True, store, force, alone, progress))
@@ -262,8 +259,6 @@ class Model:
         """
         import pandas as pd
 
-        from ._datasets import table as made
-
         if not isinstance(table, (pd.DataFrame, Mapping)):
             raise ValueError(f"a list of points is a DataFrame or a mapping of arrays, and not {type(table).__name__}")
         if not isinstance(table, pd.DataFrame):
@@ -282,9 +277,9 @@ class Model:
             if frame[name].dtype.kind not in "fiu":
                 raise ValueError(f"the column {name} has the type {frame[name].dtype}: numbers are needed")
         rows = np.ascontiguousarray(frame.to_numpy(dtype=np.float64))
-        request = self._request(self._set(values, without=list(frame.columns)), {})
+        request = self._request(self._set(values, without=list(frame.columns)))
         request.points([str(name) for name in frame.columns], rows)
-        return made(_ran(request, quantities, False, store, force, alone, progress), frame.index)
+        return as_table(_ran(request, quantities, False, store, force, alone, progress), frame.index)
 
     def point(self, *, progress: Progress = None, **values: float) -> Point:
         """Measure one point.
@@ -307,7 +302,7 @@ class Model:
         >>> tc.Model(h1=0.5).point(zeta_k=2.0).period
         1
         """
-        request = self._request(self._set(values), _ANALYSIS)
+        request = self._request(self._set(values), "point")
         _warn(request)
         with observed(progress, "point") as observer:
             return Point._from_json(_native.point(request, observer))
@@ -329,35 +324,23 @@ class Model:
         xarray.Dataset
             Over the dimension ``tau``: ``x`` and ``y``, angle and speed of the bush; ``v``, the sliding speed; ``p``, the
             contact pressure, which is 1 without heat and wear and 0 after contact is lost; ``u_w``, the wear;
-            ``theta``, the temperature of the surface. All are dimensionless; of a machine, the attributes ``scale_time``,
-            ``scale_pressure`` and others lead to SI units. ``attrs["status"]`` tells how it ended: ``ok``, ``runaway`` or ``under_resolved``.
+            ``theta``, the temperature of the surface. All are dimensionless. For a machine, the attributes ``scale_time``,
+            ``scale_pressure`` and others lead to SI units. ``attrs["status"]`` tells how it ended: ``ok``, ``runaway`` or
+            ``under_resolved``.
         """
-        import xarray as xr
-
-        from ._datasets import register
-
-        register()
         samples = whole("samples", samples, 4, 4096)
         periods = whole("periods", periods, 1, _MOST_SAMPLES // samples)
         own = ("scheme", "backend", "precision", "adapter")
-        request = self._request(self._set(values), {**_ANALYSIS, "scheme": "radau"}, without=own)
+        request = self._request(self._set(values), "trajectory", without=own)
         _warn(request)
         columns, end = _native.trajectory(request, periods, samples)
-        meanings = {
-            "x": "angle of the bush",
-            "y": "angular speed of the bush",
-            "v": "sliding speed",
-            "p": "contact pressure",
-            "u_w": "wear",
-            "theta": "temperature of the contact surface",
-        }
         tau = ("tau", columns.pop("tau"), {"long_name": "time", "units": "tau"})
-        variables = {name: ("tau", column, described(meanings[name], "1")) for name, column in columns.items()}
+        variables = variables_of(**{name: ("tau", column) for name, column in columns.items()})
         ended = json.loads(end)
         scales = ended.pop("scales") or {}
         attrs = {name: value for name, value in ended.items() if value is not None}
         attrs.update({f"scale_{name}": value for name, value in scales.items()})
-        return xr.Dataset(variables, {"tau": tau}, {**self._attributes(request), **attrs, "kind": "trajectory"})
+        return of_analysis("trajectory", request, variables, {"tau": tau}, attrs)
 
     def section(self, *, points: int = 100_000, progress: Progress = None, **values: float) -> xr.Dataset:
         """Compute the stroboscopic section of an attractor: states at drive phase 0.
@@ -385,22 +368,13 @@ class Model:
         ValueError
             With wear, which leaves no attractor.
         """
-        import xarray as xr
-
-        from ._datasets import register
-
-        register()
         points = whole("points", points, 1, 200_000_000)
-        request = self._request(self._set(values), {**_ANALYSIS, "transient_periods": 500})
+        request = self._request(self._set(values), "section")
         _warn(request)
         with observed(progress, "section") as observer:
             x, y, runaways, orbits = _native.section(request, points, observer)
-        variables = {
-            "x": ("point", x, described("angle of the bush", "1")),
-            "y": ("point", y, described("angular speed of the bush", "1")),
-        }
-        attrs = {**self._attributes(request), "orbits": orbits, "runaways": runaways, "kind": "section"}
-        return xr.Dataset(variables, attrs=attrs)
+        attrs = {"orbits": orbits, "runaways": runaways}
+        return of_analysis("section", request, variables_of(x=("point", x), y=("point", y)), {}, attrs)
 
     def bifurcation(
         self,
@@ -430,32 +404,24 @@ class Model:
             ``x`` and ``y`` with a row for each value and a column for each ``state``: 200 states of each initial state
             after 300 forcing periods, unless the model says otherwise. Rows with fewer states end with NaN.
         """
-        import xarray as xr
-
-        from ._datasets import register
-
-        register()
         if follow not in (None, "up", "down"):
             raise ValueError(f"follow = {follow!r}: up and down are the directions")
         values, given = self._parted(axis)
         name, axis_values = only(given, "a bifurcation diagram")
-        request = self._request(values, {**_ANALYSIS, "periods": 200})
+        request = self._request(values, "bifurcation")
         add_axis(request, name, axis_values)
         _warn(request)
         with observed(progress, "bifurcation") as observer:
             found = _native.bifurcation(request, states(starts), follow, observer)
         along, labels, x, y, runaways = found
         coords = {name: (name, along, json.loads(labels))}
-        variables = {
-            "x": ((name, "state"), x, described("angle of the bush", "1")),
-            "y": ((name, "state"), y, described("angular speed of the bush", "1")),
-        }
-        attrs = {**self._attributes(request), "runaways": runaways, "kind": "bifurcation"}
+        dims = (name, "state")
+        attrs: dict[str, Any] = {"runaways": runaways}
         if starts is not None:
             attrs["starts"] = np.asarray(states(starts)).ravel()
         if follow is not None:
             attrs["follow"] = follow
-        return xr.Dataset(variables, coords, attrs)
+        return of_analysis("bifurcation", request, variables_of(x=(dims, x), y=(dims, y)), coords, attrs)
 
     def onset(
         self,
@@ -497,17 +463,17 @@ class Model:
         check_name(name)
         if name in values:
             raise ValueError(f"{name} is searched, and set to a value as well: leave one of the two out")
-        low, high = range_of(name, within)
+        if within is None and name != "zeta_k":
+            raise ValueError(f"the search along {name} needs a range: give within=(low, high)")
+        low, high = (0.0, 12.0) if within is None else range_of(within)
         own = self._set(values, without=(name,))
-        request = self._request(own, _ANALYSIS)
+        request = self._request(own, "point")
         request.axis_text(name, f"{low!r}:{high!r}:2")
         _warn(request)
-        is_chosen = {"x0", "y0"} & own.keys() or "initial_states" in self._settings or self._base == "paper"
-        if starts is None and not is_chosen:
-            starts = [(0.1, 0.0), (1.0, 0.0), (-1.0, 0.0)]
+        is_chosen = bool({"x0", "y0"} & own.keys()) or "initial_states" in self._settings or self._base == "paper"
         distance = None if spacing is None else number("spacing", spacing)
         with observed(progress, "onset") as observer:
-            return Onset._from_json(_native.onset(request, states(starts), distance, observer))
+            return Onset._from_json(_native.onset(request, states(starts), is_chosen, distance, observer))
 
     def melnikov(
         self,
@@ -544,35 +510,26 @@ class Model:
             raise ValueError("within is the range of a search: give along, too")
         if along is not None:
             check_name(along)
-        own = self._set(values)
-        tau_0, function, rest = _native.melnikov(self._request(own, {}), samples)
+        request = self._request(self._set(values))
+        tau_0, function, rest = _native.melnikov(request, samples)
         threshold = None
         if along is not None:
-            if within is None:
-                info = PARAMETERS.get(along)
-                if info is None:
-                    raise ValueError(f"the search along {along} needs a range: give within=(low, high)")
-                within = (0.1 if along == "b" else max(info.low, 0.0), min(info.high, 20.0))
-            request = self._request({key: value for key, value in own.items() if key != along}, {})
-            low, high = (number("within", end) for end in within)
-            request.axis_text(along, f"{low!r}:{high!r}:121")
-            kind, value = _native.melnikov_threshold(request)
-            threshold = Threshold(along, kind, value)
+            ends = None if within is None else range_of(within)
+            threshold = Threshold(along, *_native.melnikov_threshold(request, along, ends))
         return Melnikov(tau_0, function, **json.loads(rest), threshold=threshold)
 
     def _request(
-        self, values: Mapping[str, float], defaults: Mapping[str, Any], without: Sequence[str] = ()
+        self, values: Mapping[str, float], analysis: str | None = None, without: Sequence[str] = ()
     ) -> _native.Request:
-        """A request with the model's base and settings, the given values, and defaults for settings that are not given."""
-        request = _native.Request()
+        """A request with the model's base and settings and the given values; other settings are those of the analysis."""
+        request = _native.Request(analysis)
         if isinstance(self._base, Machine):
             request.machine(self._base.to_toml())
         elif isinstance(self._base, str):
             request.preset(self._base)
         elif self._base is not None:
             raise ValueError(f"a model begins with the name of a preset or a Machine, and not with {self._base!r}")
-        own = {name: value for name, value in self._settings.items() if name not in without}
-        set_all(request, {**defaults, **own})
+        set_all(request, {name: value for name, value in self._settings.items() if name not in without})
         for name, value in values.items():
             try:
                 request.set(name, value)
@@ -590,10 +547,6 @@ class Model:
         axes = {name: value for name, value in keywords.items() if isinstance(value, str) or np.ndim(value) > 0}
         values = {name: value for name, value in keywords.items() if name not in axes}
         return self._set(values, without=tuple(axes)), axes
-
-    @staticmethod
-    def _attributes(request: _native.Request) -> dict[str, Any]:
-        return {"program": _native.program(), "experiment": request.toml()}
 
 
 def _ran(

@@ -108,7 +108,7 @@ def devices() -> Devices:
     found = json.loads(_native.devices())
     return Devices(
         cpu=found["cpu"],
-        instruction_sets=tuple(row["name"] for row in found["instruction_sets"]),
+        instruction_sets=tuple(found["instruction_sets"]),
         adapters=tuple(found["adapters"]),
         auto=found["auto"],
     )

@@ -3,6 +3,7 @@
 //! Owns what is drawn of it; neither finds it nor places panels.
 
 use crate::design::Coordinate;
+use crate::machine::units::rounded;
 use crate::map::ParameterMap;
 use crate::measure::Class;
 use crate::picture::axis_label::AxisLabel;
@@ -10,7 +11,6 @@ use crate::picture::caption::assigned;
 use crate::picture::colour::{self, Rgb, class_colour};
 use crate::picture::layer::Layer;
 use crate::picture::panel::Panel;
-use crate::picture::ticks::rounded;
 
 /// The kinds of motion of a point, with the colour of each.
 const KINDS: [(&str, Rgb); 7] = [

@@ -4,13 +4,13 @@
 
 use super::shared::{ALL_LEFT, BAND, Ends, FAINT, colour_of, scale};
 use crate::analysis::exponents::Line;
+use crate::machine::units::rounded;
 use crate::measure::Measurement;
 use crate::picture::axis_label::AxisLabel;
 use crate::picture::axis_scale::AxisScale;
 use crate::picture::caption::assigned;
 use crate::picture::layer::{Layer, Stroke};
 use crate::picture::panel::Panel;
-use crate::picture::ticks::rounded;
 
 /// The exponents over the axis of a line, with error bands, and with marked values and their names. If there is a machine, they are
 /// in 1/s, converted with the machine of each point. With heat there is no second exponent, and an exponent of finite time has no

@@ -19,4 +19,4 @@ pub use self::overview::{pairs, shares};
 pub use self::shared::{Ends, MOST_CURVES};
 pub use self::states::{Component, bifurcation, outside, phase, section};
 pub use super::caption::start;
-pub use super::ticks::rounded;
+pub use crate::machine::units::rounded;

@@ -5,10 +5,11 @@
 use std::fmt::Write as _;
 
 use super::layout::Layout;
+use crate::machine::units::rounded;
 use crate::picture::colour::Rgb;
 use crate::picture::svg::{hex, line, upright, words};
 use crate::picture::text::{widest, wrap};
-use crate::picture::ticks::{Tick, number, rounded, ticks};
+use crate::picture::ticks::{Tick, number, ticks};
 
 /// A colour bar from `low` to `high`.
 pub struct Bar {
