@@ -259,10 +259,15 @@ fn exponents_by_radau_have_an_error_that_covers_theirs() {
     };
     let on_gpu = measure(&mut GpuBackend::new(context), &settings, &points);
     let exact = measure(&mut CpuBackend::new(Precision::F64), &Settings::default(), &points);
+    // in a thin layer, the rounding of f32 has a share of its own
+    assert!(
+        on_gpu[1].scheme_error > 1e-3 * on_gpu[1].lyapunov.abs(),
+        "{:?}",
+        on_gpu[1]
+    );
     for (m, exact) in on_gpu.iter().zip(&exact) {
         assert_eq!(m.class, exact.class);
-        // rounding alone has a share
-        assert!(m.scheme_error > 0.0 && m.lyapunov_error >= m.scheme_error, "{m:?}");
+        assert!(m.scheme_error >= 0.0 && m.lyapunov_error >= m.scheme_error, "{m:?}");
         let allowed = 3.0 * m.lyapunov_error.hypot(exact.lyapunov_error);
         assert!((m.lyapunov - exact.lyapunov).abs() <= allowed, "{m:?} {exact:?}");
     }
