@@ -5,8 +5,7 @@
 use super::axis_scale::AxisScale;
 use super::ticks::{Tick, number};
 use crate::design::{Axis, Fixed, Spacing};
-use crate::machine::units::Unit;
-use crate::machine::units::rounded;
+use crate::machine::units::{Unit, rounded};
 
 /// The words of an axis, and the factor that converts its values to the unit in the words.
 #[derive(Clone, Debug)]

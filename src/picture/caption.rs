@@ -6,8 +6,7 @@ use super::ticks::number;
 use crate::backend::BackendKind;
 use crate::design::{Coordinate, Fixed};
 use crate::experiment::{Scheme, Settings};
-use crate::machine::units::rounded;
-use crate::machine::units::{Unit, five_digits};
+use crate::machine::units::{Unit, five_digits, rounded};
 use crate::parameters::{PARAMETERS, Parameter};
 
 /// `symbol = value` with non-breaking spaces.
