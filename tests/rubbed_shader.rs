@@ -50,7 +50,7 @@ fn rust_layouts() -> BTreeMap<&'static str, Layout> {
             first,
             periods,
             elapsed,
-            measured
+            watched
         }),
         layout_of!(Parameters {
             zeta_k,

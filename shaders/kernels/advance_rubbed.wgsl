@@ -29,7 +29,7 @@ fn advance_rubbed(@builtin(global_invocation_id) thread: vec3<u32>) {
     let system = system_new(parameters[instance]);
     load_modes(instance);
     var sums = totals[instance];
-    if (span.measured != 0u && span.first == 0u) {
+    if (span.watched != 0u && span.first == 0u) {
         orbit.x_min = orbit.x;
         orbit.x_max = orbit.x;
     }
@@ -64,7 +64,7 @@ fn advance_rubbed(@builtin(global_invocation_id) thread: vec3<u32>) {
         if (CARRIES_TANGENT) {
             growth += normalise(&orbit, system);
         }
-        if (span.measured != 0u) {
+        if (span.watched != 0u) {
             let index = span.first + period;
             sums.growth += growth;
             sums.birkhoff = fma(growth, birkhoff_weights[index], sums.birkhoff);

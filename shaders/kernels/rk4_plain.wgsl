@@ -31,6 +31,10 @@ fn advance_plain(@builtin(global_invocation_id) global: vec3<u32>) {
         if (!is_any(goes_on)) {
             break;
         }
+        let index = span.first + n;
+        if (span.watched != 0u && index >= run.unrecorded) {
+            record_states(thread, goes_on, index - run.unrecorded, orbit);
+        }
     }
     store_states(thread, carried, orbit);
 }

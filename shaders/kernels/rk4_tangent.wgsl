@@ -18,7 +18,7 @@ fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
     var goes_on = carried;
     for (var n = 0u; n < span.periods; n++) {
         let index = span.first + n;
-        if (span.measured != 0u && index == 0u) {
+        if (span.watched != 0u && index == 0u) {
             orbit.x_min = orbit.x;
             orbit.x_max = orbit.x;
         }
@@ -64,7 +64,7 @@ fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
         if (!is_any(goes_on)) {
             break;
         }
-        if (span.measured != 0u) {
+        if (span.watched != 0u) {
             var growth = growth_of_first(both.first, divergence);
             if (IS_CHECKED) {
                 growth = checked_growth(both, divergence);

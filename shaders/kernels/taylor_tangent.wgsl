@@ -19,7 +19,7 @@ fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
     let most = most_passes(unit);
     for (var n = 0u; n < span.periods; n++) {
         let index = span.first + n;
-        if (span.measured != 0u && index == 0u) {
+        if (span.watched != 0u && index == 0u) {
             orbit.x_min = orbit.x;
             orbit.x_max = orbit.x;
         }
@@ -76,7 +76,7 @@ fn advance_tangent(@builtin(global_invocation_id) global: vec3<u32>) {
         if (!is_any(goes_on)) {
             break;
         }
-        if (span.measured != 0u) {
+        if (span.watched != 0u) {
             sums = sums_with(sums, growth, birkhoff_weights[index], divergence, goes_on);
             if (index >= run.unrecorded) {
                 record_states(thread, goes_on, index - run.unrecorded, orbit);

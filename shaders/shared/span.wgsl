@@ -11,6 +11,6 @@ struct Span {
     periods: u32,
     // Periods since the start of the run.
     elapsed: u32,
-    // 1 while everything is summed up, else 0.
-    measured: u32,
+    // 1 while stroboscopic states are kept, and everything is summed up where tangent vectors are carried; else 0.
+    watched: u32,
 }

@@ -44,17 +44,29 @@ fn check_tangents(instances: &[Instance]) -> Result<(), BackendError> {
 pub enum Stage {
     /// The motion alone settles.
     Transient,
+    /// The motion alone, whose stroboscopic states are compared at the end.
+    Watch,
     /// The tangent vectors turn to their directions; nothing is summed up.
     Align,
-    /// Everything is summed up.
+    /// Everything is summed up, and stroboscopic states are compared at the end.
     Measure,
-    /// Everything is summed up, and the sum of the exponents is compared with the divergence in every period. The difference
+    /// As `Measure`, and the sum of the exponents is compared with the divergence in every period. The difference
     /// counts [`CHECKED_EVERY`](crate::dynamics::divergence_check::CHECKED_EVERY) times, as in the few checked periods of a
     /// measurement.
     Check,
 }
 
 impl Stage {
+    /// Whether the motion is alone, without a tangent vector.
+    pub fn is_plain(self) -> bool {
+        matches!(self, Self::Transient | Self::Watch)
+    }
+
+    /// Whether stroboscopic states are kept.
+    pub fn is_watched(self) -> bool {
+        matches!(self, Self::Watch | Self::Measure | Self::Check)
+    }
+
     /// Whether everything is summed up.
     pub fn is_measured(self) -> bool {
         matches!(self, Self::Measure | Self::Check)
@@ -63,7 +75,7 @@ impl Stage {
     /// Whether both tangent vectors are carried through the period `index` of the stage.
     pub fn is_checked(self, index: u32) -> bool {
         match self {
-            Self::Transient | Self::Align => false,
+            Self::Transient | Self::Watch | Self::Align => false,
             Self::Measure => divergence_check::is_checked(index),
             Self::Check => true,
         }
@@ -132,6 +144,12 @@ pub trait Backend: Send {
 
     /// Description of the device for the user: its name, and which part of it is used.
     fn device(&self) -> String;
+
+    /// Further backends of the same kind that can work at the same time as this one, each with a batch of its own. None where one
+    /// batch keeps the device busy.
+    fn others(&self) -> Vec<Box<dyn Backend>> {
+        Vec::new()
+    }
 
     /// A good number of instances for one batch: enough to fill the device, not more than it holds.
     fn batch_size(&self, settings: &Settings) -> usize;

@@ -16,7 +16,7 @@ pub use self::instructions::InstructionSet;
 use self::radau::RadauBlock;
 use self::rk4::Rk4Block;
 use self::taylor::TaylorBlock;
-use super::{Backend, BackendError, EndState, Instance, Slice, Stage, Sums, check_tangents};
+use super::{Backend, BackendError, EndState, Instance, Slice, Sums, check_tangents};
 use crate::backend::BackendKind;
 use crate::experiment::{Precision, Scheme, Settings};
 #[cfg(all(target_arch = "x86_64", not(test)))]
@@ -28,9 +28,9 @@ const RK4_IN_FLIGHT: usize = 2;
 /// Number of such groups of vectors in a block of rk4.
 const RK4_GROUPS: usize = 2;
 
-/// Instances in a batch for each thread: a second of work. A batch then has many more blocks than there are threads, which wait
-/// for each other after every slice of it.
-const BATCH_A_THREAD: usize = 4096;
+/// Instances in a batch: a second of work for a thread. The few of them that are left undecided still fill several blocks, and many threads can
+/// share the blocks of one batch.
+const BATCH: usize = 4096;
 
 /// Least number of instances for which another thread pays where something is only read from each.
 const READ_A_THREAD: usize = 256;
@@ -101,8 +101,15 @@ impl Backend for CpuBackend {
         )
     }
 
+    /// One for each further thread. A thread that has no batch of its own left helps the others with theirs.
+    fn others(&self) -> Vec<Box<dyn Backend>> {
+        (1..rayon::current_num_threads())
+            .map(|_| Box::new(Self::with_instructions(self.precision, self.instructions)) as Box<dyn Backend>)
+            .collect()
+    }
+
     fn batch_size(&self, _: &Settings) -> usize {
-        BATCH_A_THREAD * rayon::current_num_threads()
+        BATCH
     }
 
     fn load(&mut self, settings: &Settings, instances: &[Instance]) -> Result<(), BackendError> {
@@ -217,7 +224,7 @@ trait Block: Send + Sync + Sized {
         unreachable!("only with heat or wear a batch goes on by other settings")
     }
 
-    /// Whether the transient is left to [`Block::advance_plain`]. It is a separate function, since compilers take much longer for
+    /// Whether the motion alone is left to [`Block::advance_plain`]. It is a separate function, since compilers take much longer for
     /// one function of twice the size.
     const IS_SPLIT: bool = false;
 
@@ -274,7 +281,7 @@ impl<I: Instructions, B: Block> CpuBatch for Blocks<I, B> {
         let blocks = self.blocks.par_iter_mut();
         // the code that advances a block is inlined, so that it is compiled for the instructions
         self.run.with(|run| {
-            if B::IS_SPLIT && slice.stage == Stage::Transient {
+            if B::IS_SPLIT && slice.stage.is_plain() {
                 blocks.for_each(|block| {
                     block.with_mut(
                         #[inline(always)]

@@ -92,10 +92,13 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
         }
         for n in 0..slice.periods {
             // one call serves all stages: the scheme is long, and every call of it is compiled for every lane type
-            let tangent = (slice.stage != Stage::Transient).then_some(&mut self.tangent);
+            let tangent = (!slice.stage.is_plain()).then_some(&mut self.tangent);
             self.orbit
                 .period(&self.system, &run.control, &mut self.peaks, tangent, &mut self.scratch);
-            if slice.stage != Stage::Transient {
+            if slice.stage == Stage::Watch {
+                let (x, y) = (self.orbit.x, self.orbit.y(&self.system));
+                self.record.watch(&run.measuring, slice.first + n, x, y);
+            } else if slice.stage != Stage::Transient {
                 let growth = self.tangent.normalise(&self.system);
                 let divergence = self.tangent.take_divergence();
                 if measured {

@@ -96,6 +96,13 @@ impl<R: Real> Record<R> {
         self.growth.second = self.growth.second + growth.second;
         self.birkhoff = growth.first.mul_add(weight, self.birkhoff);
         self.divergence = self.divergence + divergence;
+        self.watch(measuring, index, x, y);
+    }
+
+    /// Keeps the state (x, y) in which the period `index` ended, if it is one of the last; after the very last, looks for the
+    /// period of the motion.
+    #[inline(always)]
+    pub fn watch(&mut self, measuring: &Measuring, index: u32, x: R, y: R) {
         if index >= measuring.unrecorded {
             self.stroboscope.record(x, y);
             if index + 1 == measuring.periods {

@@ -70,6 +70,10 @@ impl<R: Real + Send + Sync, const G: usize> Block for Rk4Block<R, G> {
             let begun = self.groups.each_ref().map(|group| group.state);
             self.period(run);
             for (group, begun) in self.groups.iter_mut().zip(begun) {
+                if slice.stage.is_watched() {
+                    let State { x, y } = group.state;
+                    group.record.watch(&run.measuring, slice.first + n, x, y);
+                }
                 group.note_runaways(begun, slice.elapsed + n + 1);
             }
         }

@@ -67,12 +67,15 @@ impl<R: Real + Send + Sync> Block for TaylorBlock<R> {
     }
 
     #[inline(always)]
-    fn advance_plain(&mut self, _: &Measuring, slice: &Slice) {
+    fn advance_plain(&mut self, run: &Measuring, slice: &Slice) {
         for n in 0..slice.periods {
             if self.flow.any_thin {
                 self.period::<true>();
             } else {
                 self.period::<false>();
+            }
+            if slice.stage.is_watched() {
+                self.record.watch(run, slice.first + n, self.x, self.y);
             }
             self.note_runaways(slice.elapsed + n + 1);
         }

@@ -20,7 +20,7 @@ pub struct Span {
     pub first: u32,
     pub periods: u32,
     pub elapsed: u32,
-    pub measured: u32,
+    pub watched: u32,
 }
 
 /// How kernels use a buffer.

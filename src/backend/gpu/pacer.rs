@@ -82,7 +82,7 @@ impl Pacer {
                     first: slice.first + done,
                     periods,
                     elapsed: slice.elapsed + done,
-                    measured: u32::from(slice.stage.is_measured()),
+                    watched: u32::from(slice.stage.is_watched()),
                 })?;
                 self.record(load, periods, instances, elapsed);
                 first_instance += instances;

@@ -55,7 +55,7 @@ impl Model for Reduced {
 
     fn kernel(&self, slice: &Slice) -> (Kernel, u32) {
         match slice.stage {
-            Stage::Transient => (Kernel::Plain, slice.periods),
+            Stage::Transient | Stage::Watch => (Kernel::Plain, slice.periods),
             Stage::Measure if is_checked(slice.first) => (Kernel::Checked, 1),
             Stage::Measure => (Kernel::Tangent, alike(slice.first).min(slice.periods)),
             Stage::Check => (Kernel::Checked, slice.periods),

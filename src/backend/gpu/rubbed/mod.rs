@@ -70,7 +70,7 @@ impl Model for Rubbed {
 
     fn kernel(&self, slice: &Slice) -> (Kernel, u32) {
         let kernel = match slice.stage {
-            Stage::Transient => Kernel::Plain,
+            Stage::Transient | Stage::Watch => Kernel::Plain,
             Stage::Align | Stage::Measure | Stage::Check => Kernel::Tangent,
         };
         (kernel, slice.periods)
