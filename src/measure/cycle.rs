@@ -1,26 +1,37 @@
-//! The measurement of a cycle from some turns of an orbit along it.
+//! The cycle near an orbit, by Newton's method on the stroboscopic map, and its measurement.
 //!
-//! Owns what makes a cycle certain, and its measurement.
-
-use std::collections::BTreeMap;
+//! Owns what makes a cycle certain: that it attracts, and that the orbit goes there.
+//!
+//! The stroboscopic map P takes a state at drive phase 0 over one forcing period; a cycle of period k is a fixed point of P^k. One
+//! turn with two perpendicular tangent vectors gives P^k and its derivative, the monodromy matrix. With it Newton's method finds
+//! the cycle in a few turns, where the orbit itself would take as many as the leading multiplier is close to 1.
 
 use super::evaluation::{checked, is_resolved, missed_by_scheme};
 use super::{Class, Measurement, Status};
 use crate::backend::{Backend, BackendError, BackendKind, Contact, EndState, Instance, Slice, Stage, Sums};
 use crate::dynamics::divergence_check::CHECKED_EVERY;
-use crate::dynamics::floquet::{Multipliers, Turn};
+use crate::dynamics::floquet::{Image, Monodromy, across};
 use crate::experiment::{Sampling, Settings};
 
-/// Turns that are watched: two for the multipliers, and one more for their errors.
-const TURNS: u32 = 3;
+/// Most steps of Newton's method.
+const ROUNDS: u32 = 6;
 
-/// An orbit counts as on a cycle if its distance from the cycle is below this, estimated from the last turn and the multipliers.
-/// The multipliers then have about the same accuracy.
+/// Newton's method ends where its next step is shorter than this...
+const CONVERGED: f64 = 1e-7;
+
+/// ...or where rounding prevents shorter steps: the cycle must be known to this distance. The multipliers then have about the
+/// same accuracy.
 const NEAR: f64 = 1e-5;
 
-/// Two states of a turn are the same if their distance is at most this many times the sum of their distances from the cycle. The
-/// triangle inequality gives a factor of 1; more is needed where directions are stretched unequally.
-const APART: f64 = 4.0;
+/// A search fails if a step is longer than this, relative to the one before.
+const SLOWEST: f64 = 0.5;
+
+/// A step of Newton's method that is longer than this leads to no cycle near the orbit.
+const LONGEST_STEP: f64 = 0.5;
+
+/// Two states of a turn are the same if their distance is at most this many times as long as the turn has moved the first state. Deviations
+/// grow along a cycle before they shrink.
+const APART: f64 = 256.0;
 
 /// Without a drive, the only cycle of forcing periods is a state of rest: x then varies by less than this.
 const REST: f64 = 1e-4;
@@ -29,197 +40,339 @@ const REST: f64 = 1e-4;
 /// walk.
 const ROUNDING: f64 = 100.0;
 
-/// An orbit that may be on a cycle.
+/// An orbit that may be near a cycle.
 pub(super) struct Candidate {
     pub instance: Instance,
     /// The period of the cycle or a multiple of it, in forcing periods.
     pub period: u32,
 }
 
-/// A candidate after it has been watched.
-pub(super) struct Turned {
-    pub end: EndState,
-    /// For how many forcing periods it was watched.
+/// What was found near a candidate.
+#[derive(Clone, Copy)]
+pub(super) struct Found {
+    /// How far the orbit moves in a turn.
+    pub moved: f64,
+    /// Forcing periods that were integrated.
     pub periods: u32,
-    /// The measurement of its cycle, attracting or not; None if it is not certain to be on one.
+    /// The measurement of the cycle on which the orbit is, attracting or not; None if that is not certain.
     pub measurement: Option<Measurement>,
 }
 
-/// Watches candidates along their cycles.
+impl Found {
+    /// Nothing was looked for.
+    pub const NOTHING: Self = Self {
+        moved: f64::NAN,
+        periods: 0,
+        measurement: None,
+    };
+}
+
+/// Looks for the cycles near candidates.
 ///
 /// # Errors
 /// If the backend fails.
-pub(super) fn turn(
+pub(super) fn find(
     backend: &mut dyn Backend,
     settings: &Settings,
     candidates: &[Candidate],
-) -> Result<Vec<Turned>, BackendError> {
-    let mut by_period: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-    for (index, candidate) in candidates.iter().enumerate() {
-        by_period.entry(candidate.period).or_default().push(index);
-    }
-    let mut turned: Vec<Option<Turned>> = candidates.iter().map(|_| None).collect();
-    for (period, indices) in by_period {
-        let alike: Vec<&Candidate> = indices.iter().map(|&index| &candidates[index]).collect();
-        for (index, result) in indices.into_iter().zip(turn_alike(backend, settings, period, &alike)?) {
-            turned[index] = Some(result);
+) -> Result<Vec<Found>, BackendError> {
+    let mut found = vec![Found::NOTHING; candidates.len()];
+    let mut searches: Vec<(usize, Search)> = candidates
+        .iter()
+        .map(|candidate| Search::new(&candidate.instance, candidate.period))
+        .enumerate()
+        .collect();
+    while !searches.is_empty() {
+        for _ in 0..ROUNDS {
+            let open = |search: &&mut Search| search.phase == Phase::Searching;
+            let open = searches.iter_mut().map(|(_, search)| search).filter(open);
+            turn(backend, settings, Stage::Measure, open)?;
         }
-    }
-    Ok(turned.into_iter().flatten().collect())
-}
-
-/// Watches candidates for cycles of the same period.
-fn turn_alike(
-    backend: &mut dyn Backend,
-    settings: &Settings,
-    period: u32,
-    candidates: &[&Candidate],
-) -> Result<Vec<Turned>, BackendError> {
-    let settings = Settings {
-        sampling: Sampling {
-            transient_periods: 0,
-            align_periods: 0,
-            periods: TURNS * period,
-            ..settings.sampling
-        },
-        ..*settings
-    };
-    let instances: Vec<Instance> = candidates.iter().map(|candidate| candidate.instance).collect();
-    backend.load(&settings, &instances)?;
-    let mut tracks: Vec<Track> = candidates.iter().map(|candidate| Track::new(candidate)).collect();
-    let mut ends = Vec::new();
-    for turn in 0..TURNS {
-        // every state of the last two turns is needed
-        let periods = if turn == 0 { period } else { 1 };
-        for done in (0..period).step_by(periods as usize) {
-            let first = turn * period + done;
-            backend.advance(&Slice {
-                // in the last turn, the sum of the exponents is checked
-                stage: if turn + 1 == TURNS {
-                    Stage::Check
-                } else {
-                    Stage::Measure
-                },
-                first,
-                periods,
-                elapsed: first,
-            })?;
-            ends = backend.end_states()?;
-            for (track, end) in tracks.iter_mut().zip(&ends) {
-                track.states.push([end.x, end.y]);
+        let unchecked = |search: &&mut Search| search.phase == Phase::Unchecked;
+        let unchecked = searches.iter_mut().map(|(_, search)| search).filter(unchecked);
+        turn(backend, settings, Stage::Check, unchecked)?;
+        let mut doubled = Vec::new();
+        for (index, search) in searches {
+            let before = found[index].periods;
+            found[index] = search.found();
+            found[index].periods += before;
+            if search.has_doubled && 2 * search.period <= settings.sampling.max_period {
+                doubled.push((index, Search::new(&search.instance, 2 * search.period)));
             }
         }
-        let sums = backend.collect()?;
-        for ((track, end), sums) in tracks.iter_mut().zip(&ends).zip(&sums) {
-            track.end_turn(end, sums, turn + 1 == TURNS);
+        searches = doubled;
+    }
+    Ok(found)
+}
+
+/// Carries searches through one turn each.
+fn turn<'a>(
+    backend: &mut dyn Backend,
+    settings: &Settings,
+    stage: Stage,
+    searches: impl Iterator<Item = &'a mut Search>,
+) -> Result<(), BackendError> {
+    let mut on_the_way: Vec<Way> = searches.map(Way::new).collect();
+    on_the_way.sort_by_key(|way| way.search.period);
+    let mut done = 0;
+    // the shortest turns end first; the others go on together, so that the batch is as large as possible
+    while let Some(next) = on_the_way.first().map(|way| way.search.period) {
+        let settings = Settings {
+            sampling: Sampling {
+                transient_periods: 0,
+                align_periods: 0,
+                periods: next,
+                ..settings.sampling
+            },
+            ..*settings
+        };
+        let instances: Vec<Instance> = on_the_way.iter().flat_map(|way| way.pair).collect();
+        backend.load(&settings, &instances)?;
+        // period by period, so that the rounding of sums does not depend on where the shorter turns end
+        for first in done..next {
+            backend.advance(&Slice {
+                stage,
+                first,
+                periods: 1,
+                elapsed: first,
+            })?;
+            let (ends, sums) = (backend.end_states()?, backend.collect()?);
+            for (way, (ends, sums)) in on_the_way.iter_mut().zip(ends.chunks(2).zip(sums.chunks(2))) {
+                way.add(stage, [ends[0], ends[1]], [sums[0], sums[1]]);
+            }
+        }
+        done = next;
+        let kind = backend.kind();
+        let arrived = on_the_way.partition_point(|way| way.search.period == done);
+        for way in on_the_way.drain(..arrived) {
+            way.end(stage, kind);
         }
     }
-    let kind = backend.kind();
-    Ok(candidates
-        .iter()
-        .zip(tracks.iter().zip(ends))
-        .map(|(candidate, (track, end))| Turned {
-            measurement: track.measurement(candidate, &end, kind),
-            periods: settings.sampling.periods,
-            end,
-        })
-        .collect())
+    Ok(())
 }
 
-/// An orbit's turns.
-struct Track {
-    turns: Vec<Turn>,
-    tangent: [f64; 2],
-    /// Integral of the divergence over all turns.
-    divergence: f64,
-    /// Difference between the growth of both vectors over the last turn and the divergence.
-    defect: f64,
-    /// States of the last two turns; the first one is the state in which these turns began.
-    states: Vec<[f64; 2]>,
+/// A search on its way through a turn.
+struct Way<'a> {
+    search: &'a mut Search,
+    /// One state with each of two vectors that were perpendicular when the turn began.
+    pair: [Instance; 2],
+    sums: [Sums; 2],
+    /// Least and greatest x.
+    extremes: [f64; 2],
+    /// Whether the orbit ran away or was given up.
+    is_lost: bool,
 }
 
-impl Track {
-    fn new(candidate: &Candidate) -> Self {
+impl<'a> Way<'a> {
+    fn new(search: &'a mut Search) -> Self {
         Self {
-            turns: Vec::with_capacity(TURNS as usize),
-            tangent: candidate.instance.tangent,
-            divergence: 0.0,
-            defect: 0.0,
-            states: Vec::new(),
+            pair: search.pair(),
+            search,
+            sums: [Sums::default(); 2],
+            extremes: [f64::INFINITY, f64::NEG_INFINITY],
+            is_lost: false,
         }
     }
 
-    fn end_turn(&mut self, end: &EndState, sums: &Sums, is_checked: bool) {
-        let [first, second] = sums.growth;
-        if is_checked {
-            self.defect = (first + second - sums.divergence) / f64::from(CHECKED_EVERY);
+    /// Adds a period of the turn.
+    fn add(&mut self, stage: Stage, ends: [EndState; 2], sums: [Sums; 2]) {
+        if stage == Stage::Measure {
+            self.search.states.push([ends[0].x, ends[0].y]);
         }
-        self.turns.push(Turn {
-            from: self.tangent,
-            to: end.tangent,
-            growth: [first, sums.divergence - first],
-        });
-        self.tangent = end.tangent;
-        self.divergence += sums.divergence;
+        for (i, (end, sums)) in ends.iter().zip(&sums).enumerate() {
+            self.sums[i].add(sums);
+            self.pair[i].state = [end.x, end.y];
+            self.pair[i].tangent = end.tangent;
+            self.is_lost |= end.runaway_periods.is_some() || end.under_resolved;
+        }
+        self.extremes = [self.extremes[0].min(ends[0].x_min), self.extremes[1].max(ends[0].x_max)];
     }
 
-    /// How far the last turn moved the orbit.
-    fn moved(&self) -> f64 {
-        self.moved_at(self.states.len() - 1)
+    /// Ends the turn.
+    fn end(self, stage: Stage, backend: BackendKind) {
+        let search = self.search;
+        search.periods += 2 * search.period;
+        let is_at_rest = self.extremes[1] - self.extremes[0] < REST;
+        let may_be_cycle = search.instance.parameters.is_driven() || is_at_rest || search.last.is_none();
+        search.phase = if self.is_lost || !may_be_cycle {
+            Phase::Over
+        } else if stage == Stage::Check {
+            let sums = &self.sums[0];
+            let defect = (sums.growth[0] + sums.growth[1] - sums.divergence) / f64::from(CHECKED_EVERY);
+            search.measurement = search.measured(defect, backend);
+            Phase::Over
+        } else {
+            search.extremes = self.extremes;
+            let monodromy = Monodromy {
+                first: search.instance.tangent,
+                images: [0, 1].map(|i| Image {
+                    direction: self.pair[i].tangent,
+                    growth: self.sums[i].growth[0],
+                }),
+                log_determinant: self.sums[0].divergence,
+            };
+            search.end_turn(self.pair[0].state, monodromy, backend)
+        };
+    }
+}
+
+/// A turn from a state.
+#[derive(Clone, Copy)]
+struct Turn {
+    state: [f64; 2],
+    end: [f64; 2],
+    monodromy: Monodromy,
+    /// Newton's step from the state towards the cycle.
+    step: [f64; 2],
+}
+
+/// How far a search is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    Searching,
+    /// The cycle was found, but the area that the two vectors span does not show how well the scheme has followed it.
+    Unchecked,
+    Over,
+}
+
+/// The search for a cycle near an orbit.
+struct Search {
+    instance: Instance,
+    period: u32,
+    phase: Phase,
+    /// Forcing periods that were integrated.
+    periods: u32,
+    /// The orbit's own turn.
+    from: Option<Turn>,
+    /// The last turn and the one before.
+    last: Option<Turn>,
+    before: Option<Turn>,
+    /// States of the last turn, from its first state on.
+    states: Vec<[f64; 2]>,
+    /// Least and greatest x of the last turn.
+    extremes: [f64; 2],
+    /// Whether the cycle that was found has shed a cycle of twice its period.
+    has_doubled: bool,
+    measurement: Option<Measurement>,
+}
+
+impl Search {
+    /// What was found.
+    fn found(&self) -> Found {
+        Found {
+            moved: self.from.map_or(f64::NAN, |from| distance(from.state, from.end)),
+            periods: self.periods,
+            measurement: self.measurement,
+        }
     }
 
-    /// Distance between state `n` and the state one turn before.
-    fn moved_at(&self, n: usize) -> f64 {
-        distance(self.states[n], self.states[n - self.states.len() / 2])
+    fn new(instance: &Instance, period: u32) -> Self {
+        Self {
+            instance: *instance,
+            period,
+            phase: Phase::Searching,
+            periods: 0,
+            from: None,
+            last: None,
+            before: None,
+            states: vec![instance.state],
+            extremes: [f64::NAN; 2],
+            has_doubled: false,
+            measurement: None,
+        }
     }
 
-    /// The least divisor of the number of periods in a turn after which the states repeat. Two states are the same if their
-    /// distance is at most `reach`, a function of how far the last turn has moved each of them.
-    fn least_period(&self, reach: impl Fn(f64, f64) -> f64) -> usize {
-        let turn = self.states.len() / 2;
-        let is_same =
-            |n: usize, m: usize| distance(self.states[n], self.states[m]) <= reach(self.moved_at(n), self.moved_at(m));
-        let repeats = |d: usize| (turn + d..=2 * turn).all(|n| is_same(n, n - d));
+    /// The state in which the present turn begins, with each of two perpendicular vectors.
+    fn pair(&self) -> [Instance; 2] {
+        let first = Instance {
+            state: self.states[0],
+            ..self.instance
+        };
+        let second = Instance {
+            tangent: across(first.tangent),
+            ..first
+        };
+        [first, second]
+    }
+
+    /// Ends a turn, given the state at its end and its monodromy matrix.
+    fn end_turn(&mut self, end: [f64; 2], monodromy: Monodromy, backend: BackendKind) -> Phase {
+        let state = self.states[0];
+        let Some(step) = monodromy.newton_step([end[0] - state[0], end[1] - state[1]]) else {
+            return Phase::Over;
+        };
+        let turn = Turn {
+            state,
+            end,
+            monodromy,
+            step,
+        };
+        self.before = self.last.replace(turn);
+        self.from.get_or_insert(turn);
+        let length = length(step);
+        let is_slower = self
+            .before
+            .is_some_and(|before| length > SLOWEST * self::length(before.step));
+        let is_found = length < CONVERGED || (is_slower && length < NEAR);
+        if is_found && self.before.is_some() {
+            return match monodromy.area_defect(self.rounding(backend)) {
+                Some(defect) => {
+                    self.measurement = self.measured(defect, backend);
+                    Phase::Over
+                }
+                None => Phase::Unchecked,
+            };
+        }
+        // written so that NaN ends the search
+        if length < LONGEST_STEP && !is_slower {
+            self.states = vec![[state[0] + step[0], state[1] + step[1]]];
+            return Phase::Searching;
+        }
+        Phase::Over
+    }
+
+    /// Rounding error of a turn.
+    fn rounding(&self, backend: BackendKind) -> f64 {
+        ROUNDING * f64::from(self.period).sqrt() * backend.epsilon()
+    }
+
+    /// The least divisor of the number of periods in a turn after which the states repeat within `reach`.
+    fn least_period(&self, reach: f64) -> usize {
+        let turn = self.states.len() - 1;
+        let repeats = |d: usize| (d..=turn).all(|n| distance(self.states[n], self.states[n - d]) <= reach);
         (1..turn)
             .find(|&d| turn.is_multiple_of(d) && repeats(d))
             .unwrap_or(turn)
     }
 
-    /// The measurement of the orbit, given the state at its end. None if the orbit is too far from a cycle, or if it is not
-    /// certain whether the cycle attracts.
-    fn measurement(&self, candidate: &Candidate, end: &EndState, backend: BackendKind) -> Option<Measurement> {
-        let parameters = &candidate.instance.parameters;
-        let may_be_cycle = parameters.is_driven() || end.x_max - end.x_min < REST;
-        if end.runaway_periods.is_some() || end.under_resolved || !may_be_cycle {
-            return None;
-        }
-        let turn_time = f64::from(candidate.period) * parameters.forcing_period();
-        let [before, last] = [0, 1].map(|i| Multipliers::new(&self.turns[i], &self.turns[i + 1]));
-        let moduli = last.log_moduli();
-        // in every turn, the distance from the cycle and the change of the results shrink by the leading multiplier
-        let to_come = match last.leading() {
-            leading if leading < 1.0 => leading / (1.0 - leading),
-            _ => 0.0,
-        };
-        let exponents = [0, 1].map(|i| (moduli[i] + to_come * (moduli[i] - before.log_moduli()[i])) / turn_time);
-        let approach = (exponents[0] * turn_time).exp_m1().abs();
-        let changes = [0, 1].map(|i| (before.log_moduli()[i] - moduli[i]).abs() / turn_time / approach);
-        let defect = self.defect / turn_time;
+    /// The measurement of the cycle that was found, given the difference between the growth of the area in a turn and the divergence.
+    /// None if it is not certain that the cycle attracts and that the orbit goes there.
+    fn measured(&mut self, defect: f64, backend: BackendKind) -> Option<Measurement> {
+        let (from, before, last) = (&self.from?, &self.before?, &self.last?);
+        let parameters = &self.instance.parameters;
+        let turn_time = f64::from(self.period) * parameters.forcing_period();
+        let [before_moduli, moduli] = [before, last].map(|turn| turn.monodromy.multipliers().log_moduli());
+        let multipliers = last.monodromy.multipliers();
+        let exponents = moduli.map(|log| log / turn_time);
+        // results change in proportion to the distance from the cycle
+        let closer = (length(last.step) / length(before.step)).min(1.0);
+        let closer = if closer.is_nan() { 0.0 } else { closer };
+        let changes = [0, 1].map(|i| (moduli[i] - before_moduli[i]).abs() * closer / turn_time);
+        let defect = defect / turn_time;
         let missed = missed_by_scheme(parameters, backend, exponents[0], defect);
         let errors = changes.map(|change| change + missed);
-        let distance_from_one = last.distance_from_one();
-        let left_to_go = self.moved() / distance_from_one;
-        let class = if exponents[0] + 3.0 * errors[0] < 0.0 && left_to_go < NEAR {
+        let moved = distance(last.state, last.end);
+        self.has_doubled = multipliers.leading() < -1.0;
+        let class = if exponents[0] + 3.0 * errors[0] < 0.0 && last.is_reached_from(from) {
             Class::Regular
-        } else if exponents[0] - 3.0 * errors[0] > 0.0 && self.moved() == 0.0 {
+        } else if exponents[0] - 3.0 * errors[0] > 0.0 && distance(from.state, from.end) == 0.0 {
             // an orbit that returns to exactly the same numbers never leaves
             Class::Unstable
         } else {
             return None;
         };
-        let rounding =
-            ROUNDING * f64::from(candidate.period).sqrt() * backend.epsilon() * (1.0 + end.x.abs() + end.y.abs());
-        let reach = |moved: f64, other: f64| (APART * (moved + other) + rounding) / distance_from_one;
+        let rounding = self.rounding(backend) * (1.0 + last.end[0].abs() + last.end[1].abs());
+        let reach = (APART * moved + rounding) / multipliers.distance_from_one();
         let measurement = Measurement {
             class: Some(class),
             lyapunov: exponents[0],
@@ -227,14 +380,14 @@ impl Track {
             scheme_error: missed,
             lyapunov_second: exponents[1] + defect,
             lyapunov_second_error: errors[1],
-            divergence: self.divergence / (f64::from(TURNS) * turn_time),
+            divergence: last.monodromy.log_determinant / turn_time,
             lyapunov_birkhoff: exponents[0],
             lyapunov_interval: turn_time,
             period: Some(self.least_period(reach) as u32),
-            x: end.x,
-            y: end.y,
-            x_min: end.x_min,
-            x_max: end.x_max,
+            x: last.end[0],
+            y: last.end[1],
+            x_min: self.extremes[0],
+            x_max: self.extremes[1],
             contact: Contact::CONSTANT,
             attractors: u32::from(class == Class::Regular),
             initial_state: parameters.initial_state(),
@@ -245,6 +398,19 @@ impl Track {
     }
 }
 
+impl Turn {
+    /// Whether an orbit, whose own turn is `from`, goes to the cycle that this turn has found.
+    fn is_reached_from(&self, from: &Self) -> bool {
+        let cycle = [0, 1].map(|i| self.state[i] + self.step[i]);
+        let [off, then] = [from.state, from.end].map(|state| [state[0] - cycle[0], state[1] - cycle[1]]);
+        length(off) < NEAR || self.monodromy.attracts(off, then)
+    }
+}
+
+fn length([x, y]: [f64; 2]) -> f64 {
+    x.hypot(y)
+}
+
 fn distance([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
     (ax - bx).hypot(ay - by)
 }
@@ -252,71 +418,65 @@ fn distance([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::ParameterSet;
+    use crate::backend::Backend;
+    use crate::backend::cpu::CpuBackend;
+    use crate::experiment::Precision;
+    use crate::parameters::{Parameter, ParameterSet};
 
-    /// The measurement of an orbit that approaches `cycle` from the distance `off`, if vectors grow by the same factors in every
-    /// turn.
-    fn watched(cycle: &[[f64; 2]], off: f64, growth: [f64; 2]) -> Option<Measurement> {
-        let period = cycle.len() as u32;
-        let end = EndState {
-            x: cycle[0][0],
-            y: cycle[0][1],
-            tangent: [1.0, 0.0],
-            x_min: -1.0,
-            x_max: 1.0,
-            period: Some(period),
-            runaway_periods: None,
-            under_resolved: false,
-            contact: Contact::CONSTANT,
+    /// What is found for a period near the state of an orbit after some periods.
+    fn near(zeta_k: f64, h1: f64, period: u32, after: u32) -> Found {
+        let parameters = ParameterSet::default()
+            .with(Parameter::ZetaK, zeta_k)
+            .with(Parameter::H1, h1);
+        let mut backend = CpuBackend::new(Precision::F64);
+        let settings = Settings::default();
+        backend.load(&settings, &[parameters.into()]).unwrap();
+        let slice = Slice {
+            stage: Stage::Transient,
+            first: 0,
+            periods: after,
+            elapsed: 0,
         };
+        backend.advance(&slice).unwrap();
+        let EndState { x, y, .. } = backend.end_states().unwrap()[0];
         let candidate = Candidate {
-            instance: ParameterSet::default().into(),
+            instance: Instance::new(parameters, [x, y]),
             period,
         };
-        let mut track = Track::new(&candidate);
-        for turn in 0..TURNS {
-            let sums = Sums {
-                growth,
-                divergence: growth.iter().sum(),
-                ..Sums::default()
-            };
-            track.end_turn(&end, &sums, turn + 1 == TURNS);
-        }
-        // the distance shrinks by the first multiplier in a turn
-        let left = |n: u32| off * (growth[0] * f64::from(n) / f64::from(period)).exp();
-        track.states = (0..=2 * period)
-            .map(|n| {
-                let [x, y] = cycle[n as usize % cycle.len()];
-                [x + left(n), y]
-            })
-            .collect();
-        track.measurement(&candidate, &end, BackendKind::CpuF64)
+        find(&mut backend, &settings, &[candidate]).unwrap()[0]
     }
 
     #[test]
-    fn the_period_of_an_orbit_on_its_way_is_that_of_its_cycle() {
-        let [a, b, c, d] = [[0.5, 0.1], [0.9, -0.2], [0.5, 0.1 + 1e-4], [0.9, -0.2 + 1e-4]];
-        for off in [0.0, 1e-12, 1e-8, 1e-6] {
-            for (cycle, period) in [([a; 4], 1), ([a, b, a, b], 2), ([a, b, c, d], 4), ([a, b, c, b], 4)] {
-                let m = watched(&cycle, off, [-2.0, -3.0]).unwrap();
-                assert_eq!(
-                    (m.class, m.period),
-                    (Some(Class::Regular), Some(period)),
-                    "{off}: {m:?}"
-                );
-                let time = 4.0 * ParameterSet::default().forcing_period();
-                assert!((m.lyapunov * time + 2.0).abs() < 1e-9 && (m.lyapunov_second * time + 3.0).abs() < 1e-9);
-            }
+    fn a_cycle_is_found_from_afar_as_from_nearby() {
+        let nearby = near(3.2, 0.5, 1, 300).measurement.unwrap();
+        assert_eq!((nearby.class, nearby.period), (Some(Class::Regular), Some(1)));
+        let afar = near(3.2, 0.5, 1, 16);
+        assert!(afar.moved > 1e-6, "{}", afar.moved);
+        for found in [afar.measurement.unwrap(), near(3.2, 0.5, 6, 300).measurement.unwrap()] {
+            assert_eq!((found.class, found.period), (nearby.class, nearby.period));
+            let error = found.lyapunov_error + nearby.lyapunov_error;
+            assert!(
+                (found.lyapunov - nearby.lyapunov).abs() <= error,
+                "{found:?} {nearby:?}"
+            );
+            assert!((found.x - nearby.x).hypot(found.y - nearby.y) < 1e-5);
+        }
+    }
+
+    /// Beyond a period doubling, Newton's method for the period before finds a cycle that does not attract.
+    #[test]
+    fn a_search_that_finds_the_cycle_before_a_doubling_goes_on_with_twice_the_period() {
+        for period in [1, 2] {
+            let found = near(6.442953, 0.348993, period, 100).measurement.unwrap();
+            assert_eq!((found.class, found.period), (Some(Class::Regular), Some(2)));
+            assert!((found.lyapunov + 0.0216).abs() < 1e-3, "{found:?}");
         }
     }
 
     #[test]
-    fn only_what_stands_still_is_on_an_unstable_cycle() {
-        let cycle = [[0.5, 0.1], [0.9, -0.2]];
-        assert_eq!(watched(&cycle, 0.0, [2.0, -3.0]).unwrap().class, Some(Class::Unstable));
-        // the orbit may be leaving the cycle
-        assert!(watched(&cycle, 1e-9, [2.0, -3.0]).is_none());
-        // too far off to tell
-        assert!(watched(&cycle, 1e-2, [-2.0, -3.0]).is_none());
+    fn chaos_is_on_no_cycle() {
+        for period in [1, 2, 5] {
+            assert!(near(4.4, 0.5, period, 300).measurement.is_none());
+        }
     }
 }

@@ -19,20 +19,38 @@ use crate::backend::{Backend, BackendError, BackendKind, Contact, EndState, Inst
 use crate::dynamics::statistics::Spread;
 use crate::experiment::{Sampling, Settings};
 
-/// Lengths of the first legs, in forcing periods. A leg is a part of the run; at its end, the undecided instances are examined.
-/// The first leg is the motion alone, the others include tangent vectors. Most cycles are reached within these legs; later legs
-/// have the length [`LATER_LEG`].
-const FIRST_LEGS: [u32; 5] = [16, 16, 16, 16, 32];
-const LATER_LEG: u32 = 64;
+/// Forcing periods of each of the first legs. A leg is a part of the run; at its end, the undecided instances are examined. These legs
+/// are the motion alone, and most cycles are reached within them.
+const WATCHED_LEG: u32 = 4;
 
-/// Periods after which growth counts towards the exponent of a chaotic motion.
-const SETTLING: u32 = 64;
+/// Forcing periods after which tangent vectors are carried...
+const WATCHED: u32 = 40;
+
+/// ...and after which their growth counts towards the exponent of a chaotic motion.
+const SETTLING: u32 = 48;
 
 /// Periods of a batch mean of that growth.
 const BATCH: u32 = 8;
 
-/// The leg that is summed up period by period, for the scatter of single periods: the first in which growth counts.
-const SAMPLED_FROM: u32 = SETTLING;
+/// Forcing periods of the legs in which growth counts: those that begin before [`SHORT_UNTIL`], and the others.
+const SHORT_LEG: u32 = 16;
+const SHORT_UNTIL: u32 = 80;
+const LEG: u32 = 32;
+
+/// A cycle is looked for near an orbit whose stroboscopic states repeat within this distance throughout a leg. Newton's method mostly
+/// finds the cycle from there.
+const CLOSE: f64 = 0.02;
+
+/// A search takes at least this many times the period of the cycle...
+const SHORT_SEARCH: u32 = 4;
+
+/// ...and all searches of an orbit together take at most this many forcing periods and this share of its run. Near some orbits
+/// there is no cycle, and chaos comes close to many that do not attract.
+const FREE: u32 = 8;
+const SHARE: u32 = 4;
+
+/// Until this period, growth is summed up period by period, for the scatter of single periods.
+const SAMPLED_UNTIL: u32 = 112;
 
 /// A motion is chaotic once its mean growth stands this many standard errors above zero...
 const CERTAINTY: f64 = 6.0;
@@ -49,7 +67,7 @@ const GROWN: f64 = 9.0;
 
 /// ...over at least this many periods, so that the errors are reliable, and over at least half of the periods that were asked
 /// for, so that more periods give a smaller error.
-const LEAST_PERIODS: u32 = 192;
+const LEAST_PERIODS: u32 = 160;
 
 /// Measures a batch of instances of constant contact pressure. `progress` counts every instance with its full length, also if it
 /// was decided early. None if `progress` stopped the run.
@@ -76,7 +94,7 @@ pub(super) fn measure(
         if batch.carry_on(backend, leg.clone(), progress)?.is_break() {
             return Ok(None);
         }
-        batch.find_cycles(backend)?;
+        batch.find_cycles(backend, leg.end)?;
         batch.find_chaos(backend, leg.end);
         elapsed = leg.end;
         if batch.settle_up(elapsed, progress).is_break() {
@@ -91,15 +109,29 @@ pub(super) fn measure(
 
 /// The legs within the transient, as ranges of periods since the start of the run.
 fn legs(transient: u32) -> Vec<Range<u32>> {
-    let lengths = FIRST_LEGS.into_iter().chain(std::iter::repeat(LATER_LEG));
-    lengths
-        .scan(0, |end, length| {
-            let start = *end;
-            *end += length;
-            Some(start..*end)
-        })
+    let length = |start: u32| match start {
+        ..WATCHED => WATCHED_LEG,
+        WATCHED..SETTLING => SETTLING - start,
+        SETTLING..SHORT_UNTIL => SHORT_LEG,
+        _ => LEG,
+    };
+    std::iter::successors(Some(0..length(0)), |leg| Some(leg.end..leg.end + length(leg.end)))
         .take_while(|leg| leg.end <= transient)
         .collect()
+}
+
+/// The settings of a run over some periods, all of which are measured.
+fn over(settings: &Settings, periods: u32) -> Settings {
+    Settings {
+        sampling: Sampling {
+            transient_periods: 0,
+            align_periods: 0,
+            periods,
+            period_tolerance: CLOSE,
+            ..settings.sampling
+        },
+        ..*settings
+    }
 }
 
 /// An instance that is not decided.
@@ -160,9 +192,30 @@ impl Live {
         }
     }
 
-    /// Standard error of the exponent over `periods` periods if each were independent of the others.
-    fn independent_error(&self, periods: u32) -> f64 {
-        self.spread.independent_error(periods) / self.instance.parameters.forcing_period()
+    /// Its measurement if it is chaotic beyond doubt.
+    fn if_chaotic(&self, settings: &Settings, elapsed: u32, backend: BackendKind) -> Option<Measurement> {
+        let periods = elapsed.saturating_sub(SETTLING);
+        if periods < LEAST_PERIODS.max(settings.sampling.periods / 2) {
+            return None;
+        }
+        let parameters = &self.instance.parameters;
+        let measurement = self.growth.measurement(&Ended {
+            parameters,
+            settings: &over(settings, periods),
+            elapsed,
+            state: &self.passing(),
+            backend,
+        });
+        let lyapunov = measurement.lyapunov;
+        let is_certain = lyapunov > CERTAINTY * measurement.lyapunov_error
+            && lyapunov > BANDED_CERTAINTY * self.spread.independent_error(periods) / parameters.forcing_period()
+            && lyapunov * measurement.lyapunov_interval > GROWN
+            && measurement.lyapunov_error > CONSTANT_GROWTH;
+        (measurement.class == Some(Class::Chaotic) && is_certain).then(|| Measurement {
+            // the Birkhoff weights of single legs are not those of the whole run
+            lyapunov_birkhoff: self.growth.weighted_rate() / parameters.forcing_period(),
+            ..measurement
+        })
     }
 
     /// Its measurement if it has run away or been given up.
@@ -189,19 +242,6 @@ struct Batch<'a> {
 }
 
 impl Batch<'_> {
-    /// The settings of a run over some periods, all of which are measured.
-    fn over(&self, periods: u32) -> Settings {
-        Settings {
-            sampling: Sampling {
-                transient_periods: 0,
-                align_periods: 0,
-                periods,
-                ..self.settings.sampling
-            },
-            ..*self.settings
-        }
-    }
-
     /// The live instances in their present states.
     fn present(&self) -> Vec<Instance> {
         self.live.iter().map(|live| live.instance).collect()
@@ -214,16 +254,22 @@ impl Batch<'_> {
         leg: Range<u32>,
         progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
     ) -> Result<ControlFlow<()>, BackendError> {
-        let stage = if leg.start == 0 {
-            Stage::Transient
+        let stage = if leg.start < WATCHED {
+            Stage::Watch
         } else {
             Stage::Measure
         };
-        backend.load(&self.over(leg.end - leg.start), &self.present())?;
-        for first in (0..leg.end - leg.start).step_by(BATCH as usize) {
-            let stride = if leg.start == SAMPLED_FROM { 1 } else { BATCH };
+        backend.load(&over(self.settings, leg.end - leg.start), &self.present())?;
+        let length = leg.end - leg.start;
+        for first in (0..length).step_by(BATCH as usize) {
+            let until = (first + BATCH).min(length);
+            let stride = if (SETTLING..SAMPLED_UNTIL).contains(&leg.start) {
+                1
+            } else {
+                until - first
+            };
             let mut batch = vec![Sums::default(); self.live.len()];
-            for first in (first..first + BATCH).step_by(stride as usize) {
+            for first in (first..until).step_by(stride as usize) {
                 backend.advance(&Slice {
                     stage,
                     first,
@@ -245,14 +291,13 @@ impl Batch<'_> {
                     live.growth.add(BATCH.into(), sums);
                 }
             }
-            if progress(u64::from(BATCH) * self.live.len() as u64).is_break() {
+            if progress(u64::from(until - first) * self.live.len() as u64).is_break() {
                 return Ok(ControlFlow::Break(()));
             }
         }
         let kind = backend.kind();
         for (live, end) in self.live.iter_mut().zip(backend.end_states()?) {
             live.take(&end);
-            // None in the leg of the motion alone, whose states are not compared
             live.candidate = end.period;
             if leg.start >= SETTLING {
                 live.extremes = [live.extremes[0].min(end.x_min), live.extremes[1].max(end.x_max)];
@@ -262,52 +307,37 @@ impl Batch<'_> {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// Measures the instances that are on a cycle.
-    fn find_cycles(&mut self, backend: &mut dyn Backend) -> Result<(), BackendError> {
-        let (measured, kind) = (&mut self.measured, backend.kind());
-        let on_cycle = |live: &&mut Live| live.candidate.is_some() && measured[live.index].is_none();
-        let mut watched: Vec<&mut Live> = self.live.iter_mut().filter(on_cycle).collect();
+    /// Measures the instances near whose state there is the cycle to which they go.
+    fn find_cycles(&mut self, backend: &mut dyn Backend, elapsed: u32) -> Result<(), BackendError> {
+        let measured = &mut self.measured;
+        let near_cycle = |live: &&mut Live| {
+            measured[live.index].is_none()
+                && live
+                    .candidate
+                    .is_some_and(|period| live.turned + SHORT_SEARCH * period <= FREE + elapsed / SHARE)
+        };
+        let mut watched: Vec<&mut Live> = self.live.iter_mut().filter(near_cycle).collect();
         let candidates: Vec<Candidate> = watched.iter().filter_map(|live| live.on_cycle()).collect();
-        for (live, turned) in watched
+        for (live, found) in watched
             .iter_mut()
-            .zip(cycle::turn(backend, self.settings, &candidates)?)
+            .zip(cycle::find(backend, self.settings, &candidates)?)
         {
-            live.turned += turned.periods;
-            live.take(&turned.end);
-            measured[live.index] = live.given_up(&turned.end, kind).or(turned.measurement);
+            live.turned += found.periods;
+            if found.moved > self.settings.sampling.period_tolerance {
+                live.candidate = None;
+            }
+            measured[live.index] = found.measurement;
         }
         Ok(())
     }
 
     /// Measures the instances that are chaotic beyond doubt.
     fn find_chaos(&mut self, backend: &dyn Backend, elapsed: u32) {
-        let periods = elapsed.saturating_sub(SETTLING);
-        if periods < LEAST_PERIODS.max(self.settings.sampling.periods / 2) {
-            return;
-        }
-        let settings = self.over(periods);
+        let kind = backend.kind();
         for live in &self.live {
             // a candidate may be in a laminar phase of chaos, or on the way to a cycle
-            if live.candidate.is_some() || self.measured[live.index].is_some() {
-                continue;
-            }
-            let measurement = live.growth.measurement(&Ended {
-                parameters: &live.instance.parameters,
-                settings: &settings,
-                elapsed,
-                state: &live.passing(),
-                backend: backend.kind(),
-            });
-            let (lyapunov, error) = (measurement.lyapunov, measurement.lyapunov_error);
-            let is_certain = lyapunov > CERTAINTY * error
-                && lyapunov > BANDED_CERTAINTY * live.independent_error(periods)
-                && lyapunov * measurement.lyapunov_interval > GROWN;
-            if measurement.class == Some(Class::Chaotic) && is_certain && error > CONSTANT_GROWTH {
-                self.measured[live.index] = Some(Measurement {
-                    // the Birkhoff weights of single legs are not those of the whole run
-                    lyapunov_birkhoff: live.growth.weighted_rate() / live.instance.parameters.forcing_period(),
-                    ..measurement
-                });
+            if live.candidate.is_none() && self.measured[live.index].is_none() {
+                self.measured[live.index] = live.if_chaotic(self.settings, elapsed, kind);
             }
         }
     }
@@ -347,7 +377,8 @@ impl Batch<'_> {
             },
             ..*self.settings
         };
-        let Some(measured) = whole_run::measure(backend, &settings, &self.present(), elapsed, progress)? else {
+        let measured = whole_run::measure(backend, &settings, &self.present(), elapsed, progress)?;
+        let Some(measured) = measured else {
             return Ok(None);
         };
         for (live, measurement) in self.live.iter().zip(measured) {

@@ -131,12 +131,12 @@ fn measure_cycles(
             Some((index, candidate))
         })
         .unzip();
-    for (index, turned) in indices.into_iter().zip(cycle::turn(backend, settings, &candidates)?) {
+    for (index, found) in indices.into_iter().zip(cycle::find(backend, settings, &candidates)?) {
         let before = measured[index];
-        let integrated_periods = before.integrated_periods + turned.periods;
+        let integrated_periods = before.integrated_periods + found.periods;
         measured[index] = Measurement {
             integrated_periods,
-            ..turned.measurement.unwrap_or(before)
+            ..found.measurement.unwrap_or(before)
         };
     }
     Ok(())

@@ -72,12 +72,12 @@ fn classes_are_those_of_runs_at_full_length_for_a_third_of_their_work() {
 #[test]
 fn what_is_too_short_to_be_decided_early_runs_as_it_was_asked_to() {
     let points = [3.5, 3.9].map(|zeta_k| ParameterSet::default().with(Parameter::ZetaK, zeta_k));
-    for transient_periods in [0, 1, 15] {
+    for transient_periods in [0, 1, 3] {
         let measured = |decide_early| {
             let settings = Settings {
                 sampling: Sampling {
                     transient_periods,
-                    align_periods: transient_periods.min(8),
+                    align_periods: transient_periods.min(2),
                     periods: 64,
                     decide_early,
                     ..Sampling::default()
