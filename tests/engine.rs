@@ -414,3 +414,47 @@ fn what_another_process_finishes_before_the_claim_is_not_computed_again() {
     });
     assert_eq!((work.unwrap().points, found), (0, 4));
 }
+
+/// A sink that has no room left.
+struct Full(Table);
+
+impl Sink for Full {
+    fn units(&self) -> usize {
+        self.0.units()
+    }
+
+    fn points(&self, unit: usize) -> Range<usize> {
+        self.0.points(unit)
+    }
+
+    fn condition(&self, _: usize) -> Result<Condition, SinkError> {
+        Ok(Condition::Missing)
+    }
+
+    fn is_finished(&self, _: usize) -> Result<bool, SinkError> {
+        Ok(false)
+    }
+
+    fn claim(&self, _: usize) -> Result<Option<Claim>, SinkError> {
+        Ok(Some(Claim::new(())))
+    }
+
+    fn write(&mut self, _: usize, _: &[Measurement], _: &Origin) -> Result<(), SinkError> {
+        Err("no room is left".to_owned().into())
+    }
+}
+
+/// A failure stops the workers beside the one that failed: their stop is no reason to tell.
+#[test]
+fn a_run_that_fails_beside_others_tells_why() {
+    let experiment = experiment("zeta_k=3:5:16", "h1=0.3:1.5:16", brief());
+    for workers in [1, 2] {
+        let mut backends: Vec<_> = (0..workers).map(|_| cpu(Precision::F64)).collect();
+        for _ in 0..4 {
+            let mut sink = Full(Table::new(experiment.clone(), 16));
+            let units: Vec<usize> = (0..sink.units()).collect();
+            let error = engine::run_on(&mut backends, &experiment, &mut sink, &units, &mut carry_on).unwrap_err();
+            assert!(matches!(error.cause, Cause::Sink(_)), "{error}");
+        }
+    }
+}

@@ -15,6 +15,8 @@ use crate::measure::{self, Measurement, Status};
 const MIN_SHARE: usize = 4096;
 /// Least number of points in a unit.
 const MIN_UNIT: usize = 64;
+/// Most units of an experiment whose units have several batches.
+const MOST_UNITS: usize = 4096;
 
 /// A backend, and another one that takes over if it fails.
 pub struct Backends {
@@ -43,11 +45,20 @@ impl Backends {
         (self.active.batch_size(settings) / settings.sampling.initial_states as usize).max(1)
     }
 
+    /// Further backends, each without a fall-back, that can work at the same time as the one in use.
+    pub fn others(&self) -> Vec<Self> {
+        let others = self.active.others().into_iter();
+        others.map(|backend| Self::new(backend, None)).collect()
+    }
+
     /// Points in a unit: those of a batch, within two limits. A unit is at most an eighth of a large experiment, since an
-    /// interrupted run loses its unfinished unit. It is not so small that a store consists of very many small units.
+    /// interrupted run loses its unfinished units. A store does not consist of very many small units: those of a very large experiment
+    /// have several batches.
     pub fn points_per_unit(&self, experiment: &Experiment) -> usize {
-        let eighth = experiment.design.len().div_ceil(8).max(MIN_SHARE);
-        self.points_per_batch(&experiment.settings).min(eighth).max(MIN_UNIT)
+        let points = experiment.design.len();
+        let batch = self.points_per_batch(&experiment.settings);
+        let batches = points.div_ceil(MOST_UNITS).div_ceil(batch);
+        (batches * batch).min(points.div_ceil(8).max(MIN_SHARE)).max(MIN_UNIT)
     }
 
     /// Measures the points of a design with the given indices, in their order; None if the observer broke it off.

@@ -13,6 +13,7 @@ mod part;
 mod sink;
 mod table;
 
+use std::iter;
 use std::ops::ControlFlow;
 use std::panic::resume_unwind;
 use std::slice::from_mut;
@@ -21,12 +22,15 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::{ScopedJoinHandle, scope, sleep};
 use std::time::{Duration, Instant};
 
+use rayon::prelude::*;
+
 pub use self::backends::Backends;
 pub use self::part::{Part, PartError};
 pub use self::sink::{Claim, Condition, Origin, Sink, SinkError};
 pub use self::table::Table;
 use crate::backend::BackendError;
 use crate::experiment::{Experiment, Settings};
+use crate::measure::Measurement;
 use crate::results::{Results, Tally};
 
 /// A message of a run to its observer.
@@ -185,11 +189,11 @@ impl<'a> Round<'a, '_> {
     /// Returns what was done, and the units that other processes have.
     fn run(&self, backends: &mut [Backends]) -> Result<(Work, Vec<usize>), Cause> {
         let results: Vec<Result<(Work, Vec<usize>), Cause>> = match backends {
-            [backends] => vec![self.run_on(backends)],
+            [backends] => self.run_beside(backends),
             several => scope(|scope| {
                 let threads: Vec<_> = several
                     .iter_mut()
-                    .map(|backends| scope.spawn(|| self.run_on(backends)))
+                    .map(|backends| scope.spawn(|| self.run_on(&mut [backends])))
                     .collect();
                 let joined = threads.into_iter().map(ScopedJoinHandle::join);
                 joined
@@ -197,18 +201,41 @@ impl<'a> Round<'a, '_> {
                     .collect()
             }),
         };
-        let (mut work, mut busy) = (Work::default(), Vec::new());
+        let (mut work, mut busy, mut stopped) = (Work::default(), Vec::new(), false);
         for result in results {
-            let (done, left) = result?;
-            work.add(&done);
-            busy.extend(left);
+            match result {
+                Ok((done, left)) => {
+                    work.add(&done);
+                    busy.extend(left);
+                }
+                // whoever failed has stopped the others
+                Err(Cause::Stopped) => stopped = true,
+                Err(cause) => return Err(cause),
+            }
+        }
+        if stopped {
+            return Err(Cause::Stopped);
         }
         busy.sort_unstable();
         Ok((work, busy))
     }
 
-    /// Takes unit after unit for one backend.
-    fn run_on(&self, backends: &mut Backends) -> Result<(Work, Vec<usize>), Cause> {
+    /// Takes units for one backend and for others that can work beside it, each in a thread of the pool that the backends themselves
+    /// use: a unit for each, or the points of one unit after the other if there are fewer units than backends.
+    fn run_beside(&self, backends: &mut Backends) -> Vec<Result<(Work, Vec<usize>), Cause>> {
+        let mut others = backends.others();
+        let mut workers: Vec<&mut Backends> = iter::once(backends).chain(&mut others).collect();
+        if self.units.len() < workers.len() {
+            return vec![self.run_on(&mut workers)];
+        }
+        workers
+            .into_par_iter()
+            .map(|worker| self.run_on(&mut [worker]))
+            .collect()
+    }
+
+    /// Takes unit after unit for some backends, which share its points.
+    fn run_on(&self, backends: &mut [&mut Backends]) -> Result<(Work, Vec<usize>), Cause> {
         let (mut work, mut busy) = (Work::default(), Vec::new());
         while let Some(&unit) = self.units.get(self.next.fetch_add(1, Ordering::Relaxed))
             && !self.is_over.load(Ordering::Relaxed)
@@ -225,9 +252,35 @@ impl<'a> Round<'a, '_> {
         Ok((work, busy))
     }
 
-    /// Computes a unit that the sink lacks; None if another process is doing so.
-    fn run_unit(&self, unit: usize, backends: &mut Backends) -> Result<Option<Work>, Cause> {
+    /// Measures points on some backends; None if the run was broken off.
+    fn measure(
+        &self,
+        backends: &mut [&mut Backends],
+        points: &[usize],
+    ) -> Result<Option<Vec<Measurement>>, BackendError> {
         let (design, settings) = (&self.experiment.design, &self.experiment.settings);
+        let share = points.len().div_ceil(backends.len()).max(1);
+        let shares = backends.par_iter_mut().zip(points.par_chunks(share));
+        let measured: Vec<_> = shares
+            .map(|(backends, points)| {
+                backends.measure(design, settings, points, &mut |event| {
+                    // what another backend has ended ends here as well
+                    if self.is_over.load(Ordering::Relaxed) {
+                        return ControlFlow::Break(());
+                    }
+                    self.tell(event)
+                })
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(measured
+            .into_iter()
+            .collect::<Option<Vec<_>>>()
+            .map(|measured| measured.concat()))
+    }
+
+    /// Computes a unit that the sink lacks; None if another process is doing so.
+    fn run_unit(&self, unit: usize, backends: &mut [&mut Backends]) -> Result<Option<Work>, Cause> {
+        let settings = &self.experiment.settings;
         let points: Vec<usize> = self.sink().points(unit).collect();
         let found = |tally: &Tally| {
             let instance_periods = instance_periods(settings, points.len());
@@ -253,17 +306,10 @@ impl<'a> Round<'a, '_> {
             return found(&tally);
         }
         let started = Instant::now();
-        let mut observer = |event: Event<'_>| {
-            // what another backend has ended ends here as well
-            if self.is_over.load(Ordering::Relaxed) {
-                return ControlFlow::Break(());
-            }
-            self.tell(event)
-        };
-        let measured = backends.measure(design, settings, &points, &mut observer)?;
+        let measured = self.measure(backends, &points)?;
         let measured = measured.ok_or(Cause::Stopped)?;
         let origin = Origin {
-            device: backends.active().device(),
+            device: backends[0].active().device(),
             elapsed: started.elapsed(),
         };
         self.sink().write(unit, &measured, &origin)?;
