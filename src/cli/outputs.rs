@@ -6,6 +6,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
+use rayon::prelude::*;
 
 use super::json::JsonArgs;
 use super::{Failure, words};
@@ -145,19 +146,22 @@ impl Outputs {
 
     /// Draws the default pictures of a map, and writes the border of chaos, if it has one; returns the files.
     pub fn draw(&self, map: &ParameterMap, style: &Style) -> anyhow::Result<Vec<PathBuf>> {
-        let mut files = Vec::new();
         // a map that is too large for a picture has only the store and the table
         let fits = picture::check_size(&map.experiment, style).is_ok();
-        let drawn = Quantity::drawn(map.experiment.wears()).iter();
-        for &quantity in drawn.filter(|&&quantity| fits && map.column(quantity).is_some()) {
+        let drawn = Quantity::drawn(map.experiment.wears()).iter().copied();
+        let drawn: Vec<Quantity> = drawn
+            .filter(|&quantity| fits && map.column(quantity).is_some())
+            .collect();
+        let pictures = drawn.into_par_iter().map(|quantity| {
             // here the limits apply only to the exponent
             let limits = style.limits.filter(|_| quantity == Quantity::Lyapunov);
             let style = Style {
                 limits,
                 ..style.clone()
             };
-            files.push(self.draw_quantity(map, quantity, &style)?);
-        }
+            self.draw_quantity(map, quantity, &style)
+        });
+        let mut files: Vec<PathBuf> = pictures.collect::<Result<_, _>>()?;
         if let Some(table) = self.border(&map.experiment)
             && map.column(Quantity::Class).is_some()
         {

@@ -8,6 +8,9 @@ use std::fmt::Write as _;
 use std::sync::{Arc, LazyLock};
 
 use resvg::usvg::{self, fontdb};
+use skrifa::instance::{LocationRef, Size};
+use skrifa::metrics::GlyphMetrics;
+use skrifa::{FontRef, MetadataProvider};
 
 const FONT_FAMILY: &str = "DejaVu Sans";
 /// The fonts that viewers of an SVG file use if this one is not installed: Verdana has the same widths.
@@ -40,11 +43,30 @@ pub fn document(width: u32, height: u32, content: &str) -> String {
     )
 }
 
-/// Width of a line of text in pixels.
+/// Width of a line of text in pixels: the sum of its glyphs' advances. Kerning makes some lines a little narrower.
 pub fn width(text: &str, size: f64) -> f64 {
-    let content = format!("<text font-size=\"{size}\">{}</text>", marked_up(text, size));
-    usvg::Tree::from_str(&document(1, 1, &content), options())
-        .map_or(0.0, |tree| f64::from(tree.root().abs_bounding_box().width()))
+    runs(text)
+        .map(|run| match run {
+            Run::Subscript(text) => SUBSCRIPT_SIZE * advance(text, size),
+            Run::Plain(text) => advance(text, size),
+        })
+        .sum()
+}
+
+/// The advances of the embedded font's glyphs, in units of its size.
+static ADVANCES: LazyLock<(FontRef<'static>, GlyphMetrics<'static>)> = LazyLock::new(|| {
+    let font = FontRef::new(dejavu::sans::regular()).expect("the embedded font is sound");
+    let metrics = font.glyph_metrics(Size::new(1.0), LocationRef::default());
+    (font, metrics)
+});
+
+fn advance(text: &str, size: f64) -> f64 {
+    let (font, metrics) = &*ADVANCES;
+    let glyphs = text
+        .chars()
+        .map(|character| font.charmap().map(character).unwrap_or_default());
+    let advances = glyphs.map(|glyph| f64::from(metrics.advance_width(glyph).unwrap_or_default()));
+    size * advances.sum::<f64>()
 }
 
 /// Width of the widest of several lines.
@@ -72,38 +94,58 @@ pub fn wrap(text: &str, size: f64, limit: f64) -> Vec<String> {
     lines
 }
 
+/// A part of a text.
+#[derive(Clone, Copy)]
+enum Run<'a> {
+    /// On the baseline.
+    Plain(&'a str),
+    Subscript(&'a str),
+}
+
+/// The parts of a text, none of them empty.
+fn runs(text: &str) -> impl Iterator<Item = Run<'_>> {
+    let mut rest = text;
+    let mut subscript = None;
+    std::iter::from_fn(move || {
+        if let Some(text) = subscript.take() {
+            return Some(Run::Subscript(text));
+        }
+        if rest.is_empty() {
+            return None;
+        }
+        let before;
+        (before, subscript, rest) = split_at_subscript(rest).map_or((rest, None, ""), |(before, subscript, after)| {
+            (before, Some(subscript), after)
+        });
+        Some(Run::Plain(before))
+    })
+}
+
 /// Text as the content of an SVG element with a font size. Subscripts are smaller runs that are moved down; all viewers can do
 /// this, whereas some cannot shift the baseline.
 pub fn marked_up(text: &str, size: f64) -> String {
     let drop = SUBSCRIPT_DROP * size;
     let mut svg = String::new();
-    let mut rest = text;
-    while let Some((before, subscript, after)) = split_at_subscript(rest) {
-        let is_lowered = rest.len() < text.len();
-        svg += &plain_run(before, drop, is_lowered);
-        let small = SUBSCRIPT_SIZE * size;
-        let _ = write!(
-            svg,
-            "<tspan dy=\"{drop:.2}\" font-size=\"{small:.2}\">{}</tspan>",
-            escape(subscript)
-        );
-        rest = after;
+    let mut is_lowered = false;
+    for run in runs(text) {
+        let _ = match run {
+            Run::Subscript(text) => {
+                let small = SUBSCRIPT_SIZE * size;
+                let text = escape(text);
+                write!(svg, "<tspan dy=\"{drop:.2}\" font-size=\"{small:.2}\">{text}</tspan>")
+            }
+            // after a subscript, the text is moved up again
+            Run::Plain(text) if is_lowered => write!(svg, "<tspan dy=\"{:.2}\">{}</tspan>", -drop, escape(text)),
+            Run::Plain(text) => write!(svg, "{}", escape(text)),
+        };
+        is_lowered = matches!(run, Run::Subscript(_));
     }
-    svg + &plain_run(rest, drop, rest.len() < text.len())
+    svg
 }
 
 /// Whether text has no subscripts.
 pub fn is_plain(text: &str) -> bool {
     split_at_subscript(text).is_none()
-}
-
-/// Text on the baseline. After a subscript (`is_lowered`) it is moved up again.
-fn plain_run(text: &str, drop: f64, is_lowered: bool) -> String {
-    match (is_lowered, text) {
-        (_, "") => String::new(),
-        (true, text) => format!("<tspan dy=\"{:.2}\">{}</tspan>", -drop, escape(text)),
-        (false, text) => escape(text),
-    }
 }
 
 /// The text before the first subscript, the subscript, and the text after it. A subscript follows a letter and `_`; it is in
@@ -168,6 +210,29 @@ mod tests {
             assert_eq!(marked_up(plain, 10.0), plain);
         }
         assert!(width("u_w", 10.0) < width("uw", 10.0));
+    }
+
+    /// As wide as the text is drawn, but for kerning and the white borders of the first and the last glyph.
+    #[test]
+    fn widths_are_those_of_the_drawn_text() {
+        let size = 20.0;
+        for text in [
+            "x",
+            "zeta_k = 0..12 (300)",
+            "u_w",
+            "u_w after x_{max}",
+            "λ₁ ≤ 10⁻³",
+            "a longer line of plain text",
+        ] {
+            let content = format!("<text font-size=\"{size}\">{}</text>", marked_up(text, size));
+            let tree = usvg::Tree::from_str(&document(1, 1, &content), options()).unwrap();
+            let drawn = f64::from(tree.root().abs_bounding_box().width());
+            let difference = width(text, size) - drawn;
+            assert!(
+                (0.0..0.2 * size + 0.01 * drawn).contains(&difference),
+                "{text}: {drawn} {difference}"
+            );
+        }
     }
 
     /// A glyph that the font lacks is drawn as an empty box, without an error.
