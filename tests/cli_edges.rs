@@ -255,3 +255,85 @@ fn text_that_is_no_number_is_called_that() {
         text(&output.stderr)
     );
 }
+
+/// The shared libraries that a command looks for, by the loader's own account.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+fn libraries(folder: &Path, args: &[&str]) -> String {
+    let output = Command::new(cargo_bin!("tribochaos"))
+        .current_dir(folder)
+        .args(args)
+        .env("LD_DEBUG", "libs")
+        .env("LD_DEBUG_OUTPUT", folder.join("libs"))
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{args:?} {}", text(&output.stderr));
+    let mut told = String::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.file_name().unwrap().to_string_lossy().starts_with("libs.") {
+            told += &fs::read_to_string(&path).unwrap();
+            fs::remove_file(path).unwrap();
+        }
+    }
+    assert!(told.contains("find library="), "{args:?}");
+    told
+}
+
+#[test]
+#[cfg(all(target_os = "linux", target_env = "gnu", feature = "gpu"))]
+fn no_gpu_is_looked_for_where_none_is_needed() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let looks = |args: &[&str]| libraries(folder, args).contains("libvulkan");
+    for args in [
+        &SMALL[..],
+        &["point", "--transient-periods", "60", "--periods", "32"],
+        &["render", "outputs/map.zarr"],
+        &["status", "outputs/map.zarr"],
+        &["verify", "outputs/map.zarr"],
+        &[
+            "slice",
+            "outputs/map.zarr",
+            "--x",
+            "zeta_k",
+            "--y",
+            "h1",
+            "--out",
+            "slice",
+        ],
+        &["export", "outputs/map.zarr", "--out", "map.csv"],
+        &["report", "outputs/map.zarr", "--out", "report.html"],
+    ] {
+        assert!(!looks(args), "{args:?}");
+    }
+    assert!(
+        looks(&["map", "--dry-run", "--out", "other"]),
+        "a map looks for a GPU unless it is told not to"
+    );
+}
+
+#[test]
+fn two_builds_are_timed_in_turn() {
+    let folder = TempDir::new().unwrap();
+    let program = cargo_bin!("tribochaos").display().to_string();
+    let args = ["bench", "--against", &program, "--commands", "point", "--rounds", "3"];
+    let output = object(&tribochaos(folder.path(), &[&args[..], &["--json"]].concat()));
+    let [row] = &output["commands"].as_array().unwrap()[..] else {
+        panic!("{output}")
+    };
+    let number = |name: &str| row[name].as_f64().unwrap();
+    assert!(number("least") <= number("ratio") && number("ratio") <= number("greatest"));
+    assert!(number("least") > 0.0 && number("seconds_against") > 0.0);
+    let said = text(&tribochaos(folder.path(), &args).stdout);
+    assert!(said.contains("3 rounds in turn"), "{said}");
+    for (other, expected) in [("nothing", "is not there"), ("/bin/true", "is no tribochaos")] {
+        let output = tribochaos(folder.path(), &["bench", "--against", other]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(text(&output.stderr).contains(expected), "{}", text(&output.stderr));
+    }
+    assert_eq!(
+        fs::read_dir(folder.path()).unwrap().count(),
+        0,
+        "nothing is left behind"
+    );
+}

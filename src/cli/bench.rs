@@ -1,10 +1,12 @@
 //! `bench`: the cost of the kernels on this machine, and their accuracy.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
 use serde_json::json;
 
+use super::against::{self, Timed};
 use super::json::JsonArgs;
 use super::{Failure, request};
 use crate::backend::cpu::InstructionSet;
@@ -35,6 +37,15 @@ pub struct BenchArgs {
     /// Instead, time the default scheme on one thread up to all threads, and on maps of 10^3 to 10^6 points
     #[arg(long, conflicts_with_all = ["backend", "scheme", "precision", "tolerance", "adapter"])]
     scaling: bool,
+    /// Instead, time whole commands of this build and of another one in turn, and print the ratios of their times
+    #[arg(long, value_name = "PROGRAM", conflicts_with_all = ["backend", "scheme", "precision", "tolerance", "adapter", "scaling"])]
+    against: Option<PathBuf>,
+    /// Only these commands: point, small-map, map, chaotic-map, full-length, heat-map [default: all]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', requires = "against", value_parser = request::named::<Timed>)]
+    commands: Vec<Timed>,
+    /// How many times each build runs each command
+    #[arg(long, value_name = "N", requires = "against", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    rounds: u32,
     #[command(flatten)]
     json: JsonArgs,
 }
@@ -96,6 +107,9 @@ impl BenchArgs {
 pub fn run(args: &BenchArgs) -> Result<(), Failure> {
     if args.scaling {
         return scaling(args.json);
+    }
+    if let Some(other) = &args.against {
+        return against::run(other, &args.commands, args.rounds, args.json);
     }
     let settings = Settings {
         integration: Integration {

@@ -19,6 +19,7 @@ macro_rules! print_text {
     };
 }
 
+mod against;
 mod analysis;
 mod bench;
 mod bifurcation;

@@ -73,6 +73,7 @@ fn quantile(values: impl IntoIterator<Item = f64>, part: f64) -> f64 {
     values.get(place).copied().unwrap_or(f64::NAN)
 }
 
-fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+/// The median of some values; NaN if there are none.
+pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     quantile(values, 0.5)
 }
