@@ -257,7 +257,7 @@ fn text_that_is_no_number_is_called_that() {
 }
 
 /// The shared libraries that a command looks for, by the loader's own account.
-#[cfg(all(target_os = "linux", target_env = "gnu"))]
+#[cfg(all(target_os = "linux", target_env = "gnu", feature = "gpu"))]
 fn libraries(folder: &Path, args: &[&str]) -> String {
     let output = Command::new(cargo_bin!("tribochaos"))
         .current_dir(folder)

@@ -377,8 +377,7 @@ impl Batch<'_> {
             },
             ..*self.settings
         };
-        let measured = whole_run::measure(backend, &settings, &self.present(), elapsed, progress)?;
-        let Some(measured) = measured else {
+        let Some(measured) = whole_run::measure(backend, &settings, &self.present(), elapsed, progress)? else {
             return Ok(None);
         };
         for (live, measurement) in self.live.iter().zip(measured) {

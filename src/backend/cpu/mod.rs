@@ -28,8 +28,7 @@ const RK4_IN_FLIGHT: usize = 2;
 /// Number of such groups of vectors in a block of rk4.
 const RK4_GROUPS: usize = 2;
 
-/// Instances in a batch: a second of work for a thread. The few of them that are left undecided still fill several blocks, and many threads can
-/// share the blocks of one batch.
+/// Instances in a batch: a second of work for a thread. The few of them that are left undecided still fill several blocks.
 const BATCH: usize = 4096;
 
 /// Least number of instances for which another thread pays where something is only read from each.
