@@ -196,6 +196,11 @@ impl ParameterSet {
         self[Parameter::KW] > 0.0
     }
 
+    /// Whether friction heats the shaft and nothing wears: the motion lasts, and the heat modes are a part of its state.
+    pub fn is_heated(&self) -> bool {
+        self.has_heat_or_wear() && !self.wears()
+    }
+
     /// Whether the shaft's varying speed acts on the bush. If not, the system is autonomous, and nothing depends on omega_0.
     pub fn is_driven(&self) -> bool {
         use Parameter::{Alpha, Beta, Epsilon, F0, ZetaK};

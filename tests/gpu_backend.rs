@@ -192,12 +192,8 @@ fn a_run_that_is_taken_up_again_goes_on_as_if_it_had_not_been_interrupted() {
                 };
                 backend.advance(&slice).unwrap();
                 let ends = backend.end_states().unwrap();
-                let taken_up = points.iter().zip(ends).map(|(&parameters, end)| Instance {
-                    parameters,
-                    state: [end.x, end.y],
-                    tangent: end.tangent,
-                });
-                taken_up.collect()
+                let taken_up = points.iter().zip(&ends);
+                taken_up.map(|(&point, end)| Instance::from(point).at(end)).collect()
             };
             let middle = advance(Some(&Instance::starts(&points)));
             let expected = advance(None);
@@ -415,7 +411,7 @@ fn a_device_lost_before_a_batch_is_loaded_is_reported_as_lost() {
 fn what_the_gpu_cannot_do_is_refused_with_a_remedy() {
     let Some(context) = gpu_context::open() else { return };
     let mut backend = GpuBackend::new(context);
-    let instance = ParameterSet::default().into();
+    let instance = [ParameterSet::default().into()];
     let mut refusal = |settings: &Settings, instances: &[Instance]| {
         let error = backend.load(settings, instances).unwrap_err();
         assert!(matches!(error, BackendError::Unsupported(_)), "{error:?}");
@@ -428,12 +424,12 @@ fn what_the_gpu_cannot_do_is_refused_with_a_remedy() {
         },
         ..Settings::default()
     };
-    let message = refusal(&many_steps(8193), &[instance]);
+    let message = refusal(&many_steps(8193), &instance);
     assert!(
         message.contains("8193") && message.contains("8192") && message.contains("--backend cpu"),
         "{message}"
     );
-    backend.load(&many_steps(8192), &[instance]).unwrap();
+    backend.load(&many_steps(8192), &instance).unwrap();
 }
 
 #[test]

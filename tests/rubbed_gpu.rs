@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 
 use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::backend::gpu::GpuBackend;
-use tribochaos::backend::{Backend, BackendError, Instance, Slice, Stage};
+use tribochaos::backend::{Backend, BackendError, EndState, Instance, Slice, Stage};
 use tribochaos::experiment::{Integration, Precision, Preset, Sampling, Scheme, Settings};
 use tribochaos::measure::{Measurement, Status, measure_batch};
 use tribochaos::parameters::{Parameter, ParameterSet};
@@ -294,4 +294,71 @@ fn numbers_of_modes_beyond_the_shader_s_are_refused() {
     };
     assert!(is_near(many.contact.lost.unwrap(), 72.0556, 1e-4), "{many:?}");
     assert!(is_near(many.contact.peak_temperature, 543.0, 1e-2), "{many:?}");
+}
+
+/// The legs are the GPU's; cycles are found from its states on the CPU, with the heat that they have.
+#[test]
+fn heated_points_are_decided_early_as_on_the_cpu() {
+    let Some(context) = gpu_context::open() else { return };
+    let settings = Settings::from(Scheme::Radau);
+    let points: Vec<_> = (0..12)
+        .map(|i| {
+            let gamma = if i % 2 == 0 { 0.02 } else { 1.87 };
+            preset(3.05 + 0.25 * f64::from(i), 0.0).with(Parameter::Gamma, gamma)
+        })
+        .collect();
+    let gpu = measure(&mut GpuBackend::new(context), &settings, &points);
+    let cpu = measure(&mut CpuBackend::new(Precision::F64), &settings, &points);
+    let full = settings.sampling.transient_periods + settings.sampling.periods;
+    assert!(
+        gpu.iter().filter(|m| m.integrated_periods < full / 2).count() > 9,
+        "{gpu:?}"
+    );
+    for (gpu, cpu) in gpu.iter().zip(&cpu) {
+        assert_eq!((gpu.class, gpu.period), (cpu.class, cpu.period), "{gpu:?}\n{cpu:?}");
+        for (a, b) in [(gpu.lyapunov, cpu.lyapunov), (gpu.lyapunov_second, cpu.lyapunov_second)] {
+            assert!((a - b).abs() < 1e-3, "{gpu:?}\n{cpu:?}");
+        }
+        let peaks = [gpu, cpu].map(|m| m.contact.peak_pressure);
+        assert!(is_near(peaks[0], peaks[1], 2e-3), "{gpu:?}\n{cpu:?}");
+    }
+}
+
+#[test]
+fn a_heated_run_on_the_gpu_can_be_taken_up_again() {
+    let Some(context) = gpu_context::open() else { return };
+    let (settings, points) = (settings(), [preset(3.9, 0.0), preset(3.5, 0.0), preset(1.0, 0.0)]);
+    let mut backend = GpuBackend::new(context);
+    let mut advance = |instances: Option<Vec<Instance>>, stage| {
+        if let Some(instances) = instances {
+            backend.load(&settings, &instances).unwrap();
+        }
+        let slice = Slice {
+            stage,
+            first: 0,
+            periods: 10,
+            elapsed: 0,
+        };
+        backend.advance(&slice).unwrap();
+        (backend.end_states().unwrap(), backend.collect().unwrap())
+    };
+    let starts = Instance::starts(&points);
+    let (middle, _) = advance(Some(starts.clone()), Stage::Align);
+    let (expected, expected_sums) = advance(None, Stage::Measure);
+    let again = starts.iter().zip(&middle).map(|(start, end)| start.at(end)).collect();
+    let (found, sums) = advance(Some(again), Stage::Measure);
+    for i in 0..points.len() {
+        let heat = |end: &EndState| {
+            end.heated
+                .as_ref()
+                .map(|heated| (heated.periods, heated.pressures.clone()))
+        };
+        let [(periods, a), (_, b)] = [&found[i], &expected[i]].map(|end| heat(end).expect("heat stays"));
+        assert_eq!(periods, 20.0);
+        for (a, b) in a.iter().zip(&b) {
+            assert!((a - b).abs() < 1e-3 * (1.0 + b.abs()), "{i}: {a}, not {b}");
+        }
+        assert!((found[i].x - expected[i].x).abs() < 1e-3, "{i}");
+        assert!((sums[i].growth[0] - expected_sums[i].growth[0]).abs() < 2e-2, "{i}");
+    }
 }

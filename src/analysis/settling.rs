@@ -91,7 +91,7 @@ pub fn follow(
         }
         (scheme, kind) = (fallback::next(scheme, kind), BackendKind::CpuF64);
         let settings = fallback::in_place(settings, scheme);
-        let again: Vec<Instance> = given_up.iter().map(|&index| instances[index]).collect();
+        let again: Vec<Instance> = given_up.iter().map(|&index| instances[index].clone()).collect();
         // they were reported as done before
         let progress = &mut |_| progress(0);
         let cpu = &mut CpuBackend::new(Precision::F64);

@@ -8,10 +8,11 @@ pub mod cpu;
 pub mod gpu;
 pub mod instance;
 pub mod kind;
+mod rubbed;
 pub mod twins;
 
 pub use self::contact::Contact;
-pub use self::instance::Instance;
+pub use self::instance::{HeatedState, Instance};
 pub use self::kind::BackendKind;
 
 use crate::dynamics::divergence_check;
@@ -28,15 +29,27 @@ pub fn check_model(integration: &Integration, instances: &[Instance]) -> Result<
         .map_err(|error| BackendError::Unsupported(error.to_string()))
 }
 
-/// Checks that instances with heat or wear start with the tangent vector (1, 0), with which every motion starts.
-fn check_tangents(instances: &[Instance]) -> Result<(), BackendError> {
-    let is_told = |instance: &Instance| instance.has_first_tangent() || !instance.parameters.has_heat_or_wear();
-    if instances.iter().all(is_told) {
-        Ok(())
-    } else {
-        let error = "tangent vectors with heat or wear are more than a direction in (x, y)";
-        Err(BackendError::Unsupported(error.to_owned()))
+/// Checks that instances with heat or wear start with the tangent vector (1, 0), with which every motion starts, and that motion
+/// goes on with as many heat modes as the settings say.
+fn check_states(settings: &Settings, instances: &[Instance]) -> Result<(), BackendError> {
+    let refuse = |error: &str| Err(BackendError::Unsupported(error.to_owned()));
+    let modes = settings.integration.modes as usize + 1;
+    for instance in instances {
+        if instance.parameters.has_heat_or_wear() && !instance.has_first_tangent() {
+            return refuse("tangent vectors with heat or wear are more than a direction in (x, y)");
+        }
+        let Some(heated) = &instance.heated else { continue };
+        if !instance.parameters.is_heated() {
+            return refuse("only motion with heat and without wear goes on with heat modes");
+        }
+        let has_vectors = heated.vectors.nrows() == modes + 2 && heated.vectors.ncols() > 0;
+        if heated.pressures.len() != modes || !has_vectors {
+            return refuse(
+                "a motion goes on with the number of heat modes with which it began, and with a tangent vector of as many",
+            );
+        }
     }
+    Ok(())
 }
 
 /// The purpose of the forcing periods of a slice.
@@ -54,6 +67,9 @@ pub enum Stage {
     /// counts [`CHECKED_EVERY`](crate::dynamics::divergence_check::CHECKED_EVERY) times, as in the few checked periods of a
     /// measurement.
     Check,
+    /// Every tangent vector that was given is carried, and none is normalised: at the end, vectors are their images by the
+    /// linearised motion. With heat alone, by radau on the CPU.
+    Linearise,
 }
 
 impl Stage {
@@ -75,7 +91,7 @@ impl Stage {
     /// Whether both tangent vectors are carried through the period `index` of the stage.
     pub fn is_checked(self, index: u32) -> bool {
         match self {
-            Self::Transient | Self::Watch | Self::Align => false,
+            Self::Transient | Self::Watch | Self::Align | Self::Linearise => false,
             Self::Measure => divergence_check::is_checked(index),
             Self::Check => true,
         }
@@ -115,15 +131,16 @@ impl Sums {
 }
 
 /// State of an instance at the end of a run, and what the run has shown of it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct EndState {
     /// The last stroboscopic state. For an instance that ran away, it is the last one before that; by radau, it is the state in
     /// which the scheme stopped.
     pub x: f64,
     pub y: f64,
-    /// The first tangent vector (X, Y), of length 1. With heat or wear the tangent space has more dimensions, and this is only
-    /// a part of the vector. NaN by radau on a GPU.
+    /// The first tangent vector (X, Y), of length 1. NaN with heat or wear, and by radau on a GPU.
     pub tangent: [f64; 2],
+    /// The rest of the state, with heat and without wear.
+    pub heated: Option<Box<HeatedState>>,
     pub x_min: f64,
     pub x_max: f64,
     /// Forcing periods after which the motion at the end of the run repeats; see
@@ -154,18 +171,14 @@ pub trait Backend: Send {
     /// A good number of instances for one batch: enough to fill the device, not more than it holds.
     fn batch_size(&self, settings: &Settings) -> usize;
 
-    /// Takes a new batch; the batch that was loaded before is dropped. An instance of constant contact pressure can start with
-    /// the state and the tangent vector that it had at the end of a run: it then goes on as if that run had not been
-    /// interrupted. Heat and wear always begin anew.
+    /// Takes a new batch; the batch that was loaded before is dropped. An instance without wear can start with the state and
+    /// the tangent vectors that it had at the end of a run: it then goes on as if that run had not been interrupted, with heat
+    /// except for rounding and the guesses of the scheme. Wear always begins anew.
     ///
     /// # Errors
     /// If the device cannot hold the batch or is lost; also if an instance with heat or wear has another tangent vector than
-    /// (1, 0), since its tangent space has more dimensions.
+    /// (1, 0), since its tangent space has more dimensions: [`HeatedState`] has its vectors.
     fn load(&mut self, settings: &Settings, instances: &[Instance]) -> Result<(), BackendError>;
-
-    /// Begins a new run from the present states of a batch with heat or wear. The settings may differ from those of `load` only
-    /// in their numbers of periods and their tolerance, and the new run must not be longer.
-    fn begin_anew(&mut self, settings: &Settings);
 
     /// Advances the batch by a slice. Slices of one stage come in order and without gaps.
     ///

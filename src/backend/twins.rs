@@ -155,9 +155,6 @@ mod tests {
                 }
                 self.0.load(settings, &bent)
             }
-            fn begin_anew(&mut self, settings: &Settings) {
-                self.0.begin_anew(settings);
-            }
             fn advance(&mut self, slice: &Slice) -> Result<(), BackendError> {
                 self.0.advance(slice)
             }

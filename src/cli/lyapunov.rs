@@ -263,21 +263,21 @@ fn draw(
 
 fn table(files: &mut Claim, experiment: &Experiment, lines: &[Line]) -> Result<(), Failure> {
     let axis = &experiment.design.axes()[0];
-    // with heat there are more than two exponents; only the maximal one is measured
-    let has_second = !experiment.settings.integration.scheme.carries_heat();
-    // if the contact wears at every value of the axis, there are only exponents of finite time
+    // if the contact wears at every value of the axis, there is only one exponent, of finite time
     let lasts = experiment.extent(Parameter::KW).0 == 0.0;
+    // with heat there are more exponents than two, and the divergence is not their sum
+    let has_divergence = lasts && experiment.extent(Parameter::Gamma).0 == 0.0;
     let columns: Vec<(&str, Column)> = [
         ("lambda_1", true, (|m| m.lyapunov) as Column),
         ("lambda_1_error", lasts, |m| m.lyapunov_error),
-        ("lambda_2", has_second, |m| m.lyapunov_second),
-        ("lambda_2_error", has_second, |m| m.lyapunov_second_error),
+        ("lambda_2", lasts, |m| m.lyapunov_second),
+        ("lambda_2_error", lasts, |m| m.lyapunov_second_error),
         (
             "lambda_3",
             true,
             |m| if m.status == Status::Ok { 0.0 } else { f64::NAN },
         ),
-        ("divergence", has_second, |m| m.divergence),
+        ("divergence", has_divergence, |m| m.divergence),
         ("class", lasts, |m| {
             m.class.map_or(f64::NAN, |class| f64::from(class as u8))
         }),

@@ -211,8 +211,10 @@ fn print(experiment: &Experiment, m: &Measurement, by_default: Option<&Measureme
     }
     if m.is_on_limit_cycle() {
         print_line!("                    (the mean divergence of a limit cycle; the zero along the flow is left out)");
-    } else if !m.divergence.is_nan() {
+    } else if !m.lyapunov_second.is_nan() {
         print_line!("second exponent     {:.6}", m.lyapunov_second);
+    }
+    if !m.is_on_limit_cycle() && !m.divergence.is_nan() {
         print_line!(
             "mean divergence     {:.6}  (sum of the exponents less this: {:.1e})",
             m.divergence,

@@ -90,7 +90,7 @@ pub struct System<R> {
     /// Whether any lane's fit is a ramp.
     ramps: bool,
     /// 0 in lanes with wear, else 1. With wear, the tangent vector is followed only until contact is lost.
-    lasts: R,
+    pub lasts: R,
 }
 
 impl<R: Real> System<R> {
@@ -121,6 +121,17 @@ impl<R: Real> System<R> {
             weights: (0..count).map(|m| each(&|modes| modes.weights[m])).collect(),
             surface_temperature: each(&|modes| modes.surface_temperature),
         }
+    }
+
+    /// Number of heat modes.
+    pub fn mode_count(&self) -> usize {
+        self.rates.len()
+    }
+
+    /// The heat mode `m` that causes this pressure; 0 where the mode causes none.
+    pub fn mode(&self, m: usize, pressure: R) -> R {
+        let (zero, weight) = (R::splat(0.0), self.weights[m]);
+        R::select(zero.less(weight), pressure / weight, zero)
     }
 
     /// h_U at a time: 1 - exp(-delta tau^2), accurate to rounding even if it is small.

@@ -98,7 +98,7 @@ pub fn follow(
             return None;
         }
         for part in 0..samples {
-            orbit.part_of_period(&system, &control, &mut peaks, None, &mut scratch, part, samples);
+            orbit.part_of_period(&system, &control, &mut peaks, &mut [], &mut scratch, part, samples);
             given_up = orbit.under_resolved + orbit.runaway > 0.0;
             if given_up {
                 break 'run;

@@ -393,6 +393,21 @@ pub struct Perturbation<R> {
     pub flux: R,
 }
 
+impl<R> Perturbation<R> {
+    /// All of its numbers, each of which is a linear function of the perturbation.
+    #[inline(always)]
+    pub fn parts(&mut self) -> [&mut R; 6] {
+        [
+            &mut self.x,
+            &mut self.v,
+            &mut self.fit,
+            &mut self.heat.pressure,
+            &mut self.heat.falloff,
+            &mut self.flux,
+        ]
+    }
+}
+
 impl<R: Real> Trial<R> {
     /// The sum S of w_m r_m q_m, to which the surface temperature is proportional, at the nodes. It follows from the balance of
     /// heat, (w . q)' = 2 gamma Q - S.

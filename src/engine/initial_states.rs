@@ -31,7 +31,7 @@ const LONGER: u32 = 4;
 
 /// The runs to carry on: their indices, and instances that start from their last states. These are the runs of points with
 /// several initial states whose motion is bounded but has not surely settled. Runs with heat or wear cannot be carried on, since
-/// (x, y) is not their whole state.
+/// their measurements have (x, y) alone, which is not their whole state.
 pub fn unsettled(settings: &Settings, instances: &[Instance], measured: &[Measurement]) -> Vec<(usize, Instance)> {
     // an orbit that is classified as quasi-periodic may be a slow approach to a cycle
     let goes_on = |m: &Measurement| match m.class {

@@ -86,9 +86,9 @@ impl Experiment {
         self.extent(Parameter::Gamma).1 > 0.0 || self.extent(Parameter::KW).1 > 0.0
     }
 
-    /// Whether points may be decided early, before their full length. This needs a constant contact pressure.
+    /// Whether all points may be decided early, before their full length. This needs a motion that lasts: with wear, there is none.
     pub fn decides_early(&self) -> bool {
-        self.settings.sampling.decide_early && !self.has_heat_or_wear()
+        self.settings.sampling.decide_early && !self.wears()
     }
 
     /// Whether the contact wears anywhere in the design.

@@ -28,7 +28,7 @@ pub struct Sampling {
     /// Measured forcing periods (250).
     pub periods: u32,
     /// Whether the run of a point ends as soon as the kind of its motion is clear: an attracting cycle by its multipliers, chaos by
-    /// its mean growth (true). With heat or wear every point runs to its full length.
+    /// its mean growth (true). With wear every point runs to its full length.
     pub decide_early: bool,
     /// Two stroboscopic states count as equal if both x and y differ by less than this (2e-4).
     pub period_tolerance: f64,

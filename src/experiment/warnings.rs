@@ -5,11 +5,9 @@ use std::f64::consts::TAU;
 use super::integration::USUAL_MODES;
 use super::{Experiment, MAX_MODES, Precision, Scheme};
 use crate::machine::plausibility_warnings;
+use crate::model::rubbing::SETTLED;
 use crate::model::thermal_modes;
 use crate::parameters::Parameter;
-
-/// The heat has settled when the slowest mode has decayed by a factor of e to this power.
-const SETTLED: f64 = 10.0;
 
 /// The decay rate of the last heat mode should be this many times omega_0, the angular frequency of the drive. With the paper's
 /// preset, 12 modes reach 63. With omega-tilde = 0.024 they reach 15, and peak pressure and wear are wrong by 1e-3
@@ -103,7 +101,7 @@ impl Experiment {
             return None;
         }
         let (biot, omega_tilde) = (self.extent(Parameter::Biot).0, self.extent(Parameter::OmegaTilde).0);
-        let slowest = thermal_modes::roots(biot, 1)[0].powi(2) * omega_tilde;
+        let slowest = thermal_modes::slowest_rate(biot, omega_tilde);
         let period = TAU / self.extent(Parameter::Omega0).1;
         let transient = f64::from(self.settings.sampling.transient_periods) * period;
         (slowest * transient < SETTLED).then(|| {

@@ -4,7 +4,7 @@
 
 use std::ops::ControlFlow;
 
-use super::{Measurement, fallback, scheme_error, undriven, whole_run};
+use super::{Measurement, early, fallback, scheme_error, undriven, whole_run};
 use crate::backend::{Backend, BackendError, Instance, check_model};
 use crate::experiment::{Sampling, Settings};
 use crate::parameters::ParameterSet;
@@ -30,7 +30,7 @@ pub fn measure_batch(
             .collect()
     };
     let constant = with(&|set| !set.has_heat_or_wear());
-    let heated = with(&|set| set.has_heat_or_wear() && !set.wears());
+    let heated = with(&ParameterSet::is_heated);
     let wearing = with(&ParameterSet::wears);
     let mut measured = vec![None; instances.len()];
     let whole_run = u64::from(settings.sampling.transient_periods) + u64::from(settings.sampling.periods);
@@ -52,7 +52,7 @@ pub fn measure_batch(
         }
         let instances: Vec<_> = indices
             .iter()
-            .map(|&index| undriven::instance(instances[index]))
+            .map(|&index| undriven::instance(instances[index].clone()))
             .collect();
         // every kind counts as a whole run, because the announced amount of work is that of whole runs
         let progress = &mut |instance_periods: u64| progress(instance_periods * whole_run / share);
@@ -93,10 +93,10 @@ fn measure_heated(
     instances: &[Instance],
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<Vec<Measurement>>, BackendError> {
-    let Some(mut measured) = whole_run::measure(backend, settings, instances, 0, progress)? else {
-        return Ok(None);
-    };
-    let elapsed = settings.sampling.transient_periods + settings.sampling.periods;
-    scheme_error::add_with_heat(backend, settings, instances, elapsed, &mut measured)?;
-    Ok(Some(measured))
+    let wears = instances[0].parameters.wears();
+    if settings.sampling.decide_early && !wears {
+        early::measure(backend, settings, instances, progress)
+    } else {
+        whole_run::measure(backend, settings, instances, 0, progress)
+    }
 }

@@ -1,44 +1,24 @@
 //! The cycle near an orbit, by Newton's method on the stroboscopic map, and its measurement.
 //!
-//! Owns what makes a cycle certain: that it attracts, and that the orbit goes there.
+//! Owns what makes a cycle certain: that it attracts, and that the orbit goes there. From the bottom to the top:
+//!
+//! - [`newton`]: Newton's method;
+//! - [`constant`], [`heated`]: turns at constant contact pressure, and with heat.
 //!
 //! The stroboscopic map P takes a state at drive phase 0 over one forcing period; a cycle of period k is a fixed point of P^k. One
-//! turn with two perpendicular tangent vectors gives P^k and its derivative, the monodromy matrix. With it Newton's method finds
+//! turn with tangent vectors in all directions gives P^k and its derivative, the monodromy matrix. With it Newton's method finds
 //! the cycle in a few turns, where the orbit itself would take as many as the leading multiplier is close to 1.
 
-use super::evaluation::{checked, is_resolved, missed_by_scheme};
-use super::{Class, Measurement, Status};
-use crate::backend::{Backend, BackendError, BackendKind, Contact, EndState, Instance, Slice, Stage, Sums};
-use crate::dynamics::divergence_check::CHECKED_EVERY;
-use crate::dynamics::floquet::{Image, Monodromy, across};
-use crate::experiment::{Sampling, Settings};
+mod constant;
+mod heated;
+mod newton;
 
-/// Most steps of Newton's method.
-const ROUNDS: u32 = 6;
-
-/// Newton's method ends where its next step is shorter than this...
-const CONVERGED: f64 = 1e-7;
-
-/// ...or where rounding prevents shorter steps: the cycle must be known to this distance. The multipliers then have about the
-/// same accuracy.
-const NEAR: f64 = 1e-5;
-
-/// A search fails if a step is longer than this, relative to the one before.
-const SLOWEST: f64 = 0.5;
-
-/// A step of Newton's method that is longer than this leads to no cycle near the orbit.
-const LONGEST_STEP: f64 = 0.5;
-
-/// Two states of a turn are the same if their distance is at most this many times what is left of the distance from the cycle.
-/// Deviations grow along a cycle before they shrink: 37-fold along one of period 14.
-const APART: f64 = 256.0;
+use super::Measurement;
+use crate::backend::{Backend, BackendError, Instance};
+use crate::experiment::Settings;
 
 /// Without a drive, the only cycle of forcing periods is a state of rest: x then varies by less than this.
 const REST: f64 = 1e-4;
-
-/// Rounding error of one forcing period, in units of the number type's last place. Over several periods it grows like a random
-/// walk.
-const ROUNDING: f64 = 100.0;
 
 /// An orbit that may be near a cycle.
 pub(super) struct Candidate {
@@ -48,7 +28,7 @@ pub(super) struct Candidate {
 }
 
 /// What was found near a candidate.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(super) struct Found {
     /// How far the orbit moves in a turn.
     pub moved: f64,
@@ -60,14 +40,56 @@ pub(super) struct Found {
 
 impl Found {
     /// Nothing was looked for.
-    pub const NOTHING: Self = Self {
+    const NOTHING: Self = Self {
         moved: f64::NAN,
         periods: 0,
         measurement: None,
     };
 }
 
-/// Looks for the cycles near candidates.
+/// The search for a cycle near an orbit, once it is over.
+trait Search {
+    fn found(&self) -> Found;
+
+    /// Whether the cycle that was found has shed a cycle of twice its period.
+    fn has_doubled(&self) -> bool;
+}
+
+/// Looks for the cycles near candidates: `begin` begins the search for a period, and `carry_out` carries searches out. Where a cycle
+/// has shed one of twice its period, that one is looked for.
+fn find_with<S: Search>(
+    candidates: &[Candidate],
+    max_period: u32,
+    begin: impl Fn(&Instance, u32) -> S,
+    mut carry_out: impl FnMut(&mut [S]) -> Result<(), BackendError>,
+) -> Result<Vec<Found>, BackendError> {
+    let mut found = vec![Found::NOTHING; candidates.len()];
+    let mut open: Vec<(usize, u32)> = candidates
+        .iter()
+        .map(|candidate| candidate.period)
+        .enumerate()
+        .collect();
+    while !open.is_empty() {
+        let begun = open.iter();
+        let mut searches: Vec<S> = begun
+            .map(|&(index, period)| begin(&candidates[index].instance, period))
+            .collect();
+        carry_out(&mut searches)?;
+        let mut doubled = Vec::new();
+        for (search, (index, period)) in searches.iter().zip(open) {
+            let before = found[index].periods;
+            found[index] = search.found();
+            found[index].periods += before;
+            if search.has_doubled() && 2 * period <= max_period {
+                doubled.push((index, 2 * period));
+            }
+        }
+        open = doubled;
+    }
+    Ok(found)
+}
+
+/// Looks for the cycles near candidates. Either all of them are heated, or none is.
 ///
 /// # Errors
 /// If the backend fails.
@@ -76,407 +98,8 @@ pub(super) fn find(
     settings: &Settings,
     candidates: &[Candidate],
 ) -> Result<Vec<Found>, BackendError> {
-    let mut found = vec![Found::NOTHING; candidates.len()];
-    let mut searches: Vec<(usize, Search)> = candidates
-        .iter()
-        .map(|candidate| Search::new(&candidate.instance, candidate.period))
-        .enumerate()
-        .collect();
-    while !searches.is_empty() {
-        for _ in 0..ROUNDS {
-            let open = |search: &&mut Search| search.phase == Phase::Searching;
-            let open = searches.iter_mut().map(|(_, search)| search).filter(open);
-            turn(backend, settings, Stage::Measure, open)?;
-        }
-        let unchecked = |search: &&mut Search| search.phase == Phase::Unchecked;
-        let unchecked = searches.iter_mut().map(|(_, search)| search).filter(unchecked);
-        turn(backend, settings, Stage::Check, unchecked)?;
-        let mut doubled = Vec::new();
-        for (index, search) in searches {
-            let before = found[index].periods;
-            found[index] = search.found();
-            found[index].periods += before;
-            if search.has_doubled && 2 * search.period <= settings.sampling.max_period {
-                doubled.push((index, Search::new(&search.instance, 2 * search.period)));
-            }
-        }
-        searches = doubled;
-    }
-    Ok(found)
-}
-
-/// Carries searches through one turn each.
-fn turn<'a>(
-    backend: &mut dyn Backend,
-    settings: &Settings,
-    stage: Stage,
-    searches: impl Iterator<Item = &'a mut Search>,
-) -> Result<(), BackendError> {
-    let mut on_the_way: Vec<Way> = searches.map(Way::new).collect();
-    on_the_way.sort_by_key(|way| way.search.period);
-    let mut done = 0;
-    // the shortest turns end first; the others go on together, so that the batch is as large as possible
-    while let Some(next) = on_the_way.first().map(|way| way.search.period) {
-        let settings = Settings {
-            sampling: Sampling {
-                transient_periods: 0,
-                align_periods: 0,
-                periods: next,
-                ..settings.sampling
-            },
-            ..*settings
-        };
-        let instances: Vec<Instance> = on_the_way.iter().flat_map(|way| way.pair).collect();
-        backend.load(&settings, &instances)?;
-        // period by period, so that the rounding of sums does not depend on where the shorter turns end
-        for first in done..next {
-            backend.advance(&Slice {
-                stage,
-                first,
-                periods: 1,
-                elapsed: first,
-            })?;
-            let (ends, sums) = (backend.end_states()?, backend.collect()?);
-            for (way, (ends, sums)) in on_the_way.iter_mut().zip(ends.chunks(2).zip(sums.chunks(2))) {
-                way.add(stage, [ends[0], ends[1]], [sums[0], sums[1]]);
-            }
-        }
-        done = next;
-        let kind = backend.kind();
-        let arrived = on_the_way.partition_point(|way| way.search.period == done);
-        for way in on_the_way.drain(..arrived) {
-            way.end(stage, kind);
-        }
-    }
-    Ok(())
-}
-
-/// A search on its way through a turn.
-struct Way<'a> {
-    search: &'a mut Search,
-    /// One state with each of two vectors that were perpendicular when the turn began.
-    pair: [Instance; 2],
-    sums: [Sums; 2],
-    /// Least and greatest x.
-    extremes: [f64; 2],
-    /// Whether the orbit ran away or was given up.
-    is_lost: bool,
-}
-
-impl<'a> Way<'a> {
-    fn new(search: &'a mut Search) -> Self {
-        Self {
-            pair: search.pair(),
-            search,
-            sums: [Sums::default(); 2],
-            extremes: [f64::INFINITY, f64::NEG_INFINITY],
-            is_lost: false,
-        }
-    }
-
-    /// Adds a period of the turn.
-    fn add(&mut self, stage: Stage, ends: [EndState; 2], sums: [Sums; 2]) {
-        if stage == Stage::Measure {
-            self.search.states.push([ends[0].x, ends[0].y]);
-        }
-        for (i, (end, sums)) in ends.iter().zip(&sums).enumerate() {
-            self.sums[i].add(sums);
-            self.pair[i].state = [end.x, end.y];
-            self.pair[i].tangent = end.tangent;
-            self.is_lost |= end.runaway_periods.is_some() || end.under_resolved;
-        }
-        self.extremes = [self.extremes[0].min(ends[0].x_min), self.extremes[1].max(ends[0].x_max)];
-    }
-
-    /// Ends the turn.
-    fn end(self, stage: Stage, backend: BackendKind) {
-        let search = self.search;
-        search.periods += 2 * search.period;
-        let is_at_rest = self.extremes[1] - self.extremes[0] < REST;
-        let may_be_cycle = search.instance.parameters.is_driven() || is_at_rest || search.last.is_none();
-        search.phase = if self.is_lost || !may_be_cycle {
-            Phase::Over
-        } else if stage == Stage::Check {
-            let sums = &self.sums[0];
-            let defect = (sums.growth[0] + sums.growth[1] - sums.divergence) / f64::from(CHECKED_EVERY);
-            search.measurement = search.measured(defect, backend);
-            Phase::Over
-        } else {
-            search.extremes = self.extremes;
-            let monodromy = Monodromy {
-                first: search.instance.tangent,
-                images: [0, 1].map(|i| Image {
-                    direction: self.pair[i].tangent,
-                    growth: self.sums[i].growth[0],
-                }),
-                log_determinant: self.sums[0].divergence,
-            };
-            search.end_turn(self.pair[0].state, monodromy, backend)
-        };
-    }
-}
-
-/// A turn from a state.
-#[derive(Clone, Copy)]
-struct Turn {
-    state: [f64; 2],
-    end: [f64; 2],
-    monodromy: Monodromy,
-    /// Newton's step from the state towards the cycle.
-    step: [f64; 2],
-}
-
-/// How far a search is.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Phase {
-    Searching,
-    /// The cycle was found, but the area that the two vectors span does not show how well the scheme has followed it.
-    Unchecked,
-    Over,
-}
-
-/// The search for a cycle near an orbit.
-struct Search {
-    instance: Instance,
-    period: u32,
-    phase: Phase,
-    /// Forcing periods that were integrated.
-    periods: u32,
-    /// The orbit's own turn.
-    from: Option<Turn>,
-    /// The last turn and the one before.
-    last: Option<Turn>,
-    before: Option<Turn>,
-    /// States of the last turn, from its first state on.
-    states: Vec<[f64; 2]>,
-    /// Least and greatest x of the last turn.
-    extremes: [f64; 2],
-    /// Whether the cycle that was found has shed a cycle of twice its period.
-    has_doubled: bool,
-    measurement: Option<Measurement>,
-}
-
-impl Search {
-    /// What was found.
-    fn found(&self) -> Found {
-        Found {
-            moved: self.from.map_or(f64::NAN, |from| distance(from.state, from.end)),
-            periods: self.periods,
-            measurement: self.measurement,
-        }
-    }
-
-    fn new(instance: &Instance, period: u32) -> Self {
-        Self {
-            instance: *instance,
-            period,
-            phase: Phase::Searching,
-            periods: 0,
-            from: None,
-            last: None,
-            before: None,
-            states: vec![instance.state],
-            extremes: [f64::NAN; 2],
-            has_doubled: false,
-            measurement: None,
-        }
-    }
-
-    /// The state in which the present turn begins, with each of two perpendicular vectors.
-    fn pair(&self) -> [Instance; 2] {
-        let first = Instance {
-            state: self.states[0],
-            ..self.instance
-        };
-        let second = Instance {
-            tangent: across(first.tangent),
-            ..first
-        };
-        [first, second]
-    }
-
-    /// Ends a turn, given the state at its end and its monodromy matrix.
-    fn end_turn(&mut self, end: [f64; 2], monodromy: Monodromy, backend: BackendKind) -> Phase {
-        let state = self.states[0];
-        let Some(step) = monodromy.newton_step([end[0] - state[0], end[1] - state[1]]) else {
-            return Phase::Over;
-        };
-        let turn = Turn {
-            state,
-            end,
-            monodromy,
-            step,
-        };
-        self.before = self.last.replace(turn);
-        self.from.get_or_insert(turn);
-        let length = length(step);
-        let is_slower = self
-            .before
-            .is_some_and(|before| length > SLOWEST * self::length(before.step));
-        let is_found = length < CONVERGED || (is_slower && length < NEAR);
-        if is_found && self.before.is_some() {
-            return match monodromy.area_defect(self.rounding(backend)) {
-                Some(defect) => {
-                    self.measurement = self.measured(defect, backend);
-                    Phase::Over
-                }
-                None => Phase::Unchecked,
-            };
-        }
-        // written so that NaN ends the search
-        if length < LONGEST_STEP && !is_slower {
-            self.states = vec![[state[0] + step[0], state[1] + step[1]]];
-            return Phase::Searching;
-        }
-        Phase::Over
-    }
-
-    /// Rounding error of a turn.
-    fn rounding(&self, backend: BackendKind) -> f64 {
-        ROUNDING * f64::from(self.period).sqrt() * backend.epsilon()
-    }
-
-    /// The least divisor of the number of periods in a turn after which the states repeat within `reach`.
-    fn least_period(&self, reach: f64) -> usize {
-        let turn = self.states.len() - 1;
-        let repeats = |d: usize| (d..=turn).all(|n| distance(self.states[n], self.states[n - d]) <= reach);
-        (1..turn)
-            .find(|&d| turn.is_multiple_of(d) && repeats(d))
-            .unwrap_or(turn)
-    }
-
-    /// The measurement of the cycle that was found, given the difference between the growth of the area in a turn and the divergence.
-    /// None if it is not certain that the cycle attracts and that the orbit goes there.
-    fn measured(&mut self, defect: f64, backend: BackendKind) -> Option<Measurement> {
-        let (from, before, last) = (&self.from?, &self.before?, &self.last?);
-        let parameters = &self.instance.parameters;
-        let turn_time = f64::from(self.period) * parameters.forcing_period();
-        let [before_moduli, moduli] = [before, last].map(|turn| turn.monodromy.multipliers().log_moduli());
-        let multipliers = last.monodromy.multipliers();
-        let exponents = moduli.map(|log| log / turn_time);
-        // results change in proportion to the distance from the cycle
-        let closer = (length(last.step) / length(before.step)).min(1.0);
-        let closer = if closer.is_nan() { 0.0 } else { closer };
-        let changes = [0, 1].map(|i| (moduli[i] - before_moduli[i]).abs() * closer / turn_time);
-        let defect = defect / turn_time;
-        let missed = missed_by_scheme(parameters, backend, exponents[0], defect);
-        let errors = changes.map(|change| change + missed);
-        let moved = distance(last.state, last.end);
-        self.has_doubled = multipliers.leading() < -1.0;
-        let class = if exponents[0] + 3.0 * errors[0] < 0.0 && last.is_reached_from(from) {
-            Class::Regular
-        } else if exponents[0] - 3.0 * errors[0] > 0.0 && distance(from.state, from.end) == 0.0 {
-            // an orbit that returns to exactly the same numbers never leaves
-            Class::Unstable
-        } else {
-            return None;
-        };
-        let rounding = self.rounding(backend) * (1.0 + last.end[0].abs() + last.end[1].abs());
-        let reach = (APART * moved + rounding) / multipliers.distance_from_one();
-        let measurement = Measurement {
-            class: Some(class),
-            lyapunov: exponents[0],
-            lyapunov_error: errors[0],
-            scheme_error: missed,
-            lyapunov_second: exponents[1] + defect,
-            lyapunov_second_error: errors[1],
-            divergence: last.monodromy.log_determinant / turn_time,
-            lyapunov_birkhoff: exponents[0],
-            lyapunov_interval: turn_time,
-            period: Some(self.least_period(reach) as u32),
-            x: last.end[0],
-            y: last.end[1],
-            x_min: self.extremes[0],
-            x_max: self.extremes[1],
-            contact: Contact::CONSTANT,
-            attractors: u32::from(class == Class::Regular),
-            initial_state: parameters.initial_state(),
-            ..Measurement::unmeasured(Status::Ok, backend)
-        };
-        let resolved = is_resolved(&measurement);
-        Some(checked(measurement, resolved))
-    }
-}
-
-impl Turn {
-    /// Whether an orbit, whose own turn is `from`, goes to the cycle that this turn has found.
-    fn is_reached_from(&self, from: &Self) -> bool {
-        let cycle = [0, 1].map(|i| self.state[i] + self.step[i]);
-        let [off, then] = [from.state, from.end].map(|state| [state[0] - cycle[0], state[1] - cycle[1]]);
-        length(off) < NEAR || self.monodromy.attracts(off, then)
-    }
-}
-
-fn length([x, y]: [f64; 2]) -> f64 {
-    x.hypot(y)
-}
-
-fn distance([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
-    (ax - bx).hypot(ay - by)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::backend::Backend;
-    use crate::backend::cpu::CpuBackend;
-    use crate::experiment::Precision;
-    use crate::parameters::{Parameter, ParameterSet};
-
-    /// What is found for a period near the state of an orbit after some periods.
-    fn near(zeta_k: f64, h1: f64, period: u32, after: u32) -> Found {
-        let parameters = ParameterSet::default()
-            .with(Parameter::ZetaK, zeta_k)
-            .with(Parameter::H1, h1);
-        let mut backend = CpuBackend::new(Precision::F64);
-        let settings = Settings::default();
-        backend.load(&settings, &[parameters.into()]).unwrap();
-        let slice = Slice {
-            stage: Stage::Transient,
-            first: 0,
-            periods: after,
-            elapsed: 0,
-        };
-        backend.advance(&slice).unwrap();
-        let EndState { x, y, .. } = backend.end_states().unwrap()[0];
-        let candidate = Candidate {
-            instance: Instance::new(parameters, [x, y]),
-            period,
-        };
-        find(&mut backend, &settings, &[candidate]).unwrap()[0]
-    }
-
-    #[test]
-    fn a_cycle_is_found_from_afar_as_from_nearby() {
-        let nearby = near(3.2, 0.5, 1, 300).measurement.unwrap();
-        assert_eq!((nearby.class, nearby.period), (Some(Class::Regular), Some(1)));
-        let afar = near(3.2, 0.5, 1, 16);
-        assert!(afar.moved > 1e-6, "{}", afar.moved);
-        for found in [afar.measurement.unwrap(), near(3.2, 0.5, 6, 300).measurement.unwrap()] {
-            assert_eq!((found.class, found.period), (nearby.class, nearby.period));
-            let error = found.lyapunov_error + nearby.lyapunov_error;
-            assert!(
-                (found.lyapunov - nearby.lyapunov).abs() <= error,
-                "{found:?} {nearby:?}"
-            );
-            assert!((found.x - nearby.x).hypot(found.y - nearby.y) < 1e-5);
-        }
-    }
-
-    /// Beyond a period doubling, Newton's method for the period before finds a cycle that does not attract.
-    #[test]
-    fn a_search_that_finds_the_cycle_before_a_doubling_goes_on_with_twice_the_period() {
-        for period in [1, 2] {
-            let found = near(6.442953, 0.348993, period, 100).measurement.unwrap();
-            assert_eq!((found.class, found.period), (Some(Class::Regular), Some(2)));
-            assert!((found.lyapunov + 0.0216).abs() < 1e-3, "{found:?}");
-        }
-    }
-
-    #[test]
-    fn chaos_is_on_no_cycle() {
-        for period in [1, 2, 5] {
-            assert!(near(4.4, 0.5, period, 300).measurement.is_none());
-        }
+    match candidates.first() {
+        Some(first) if first.instance.parameters.is_heated() => heated::find(settings, candidates),
+        _ => constant::find(backend, settings, candidates),
     }
 }

@@ -1,12 +1,13 @@
 //! Early decisions: the kind of an instance's motion, as soon as it is clear.
 //!
-//! Owns when instances are examined and what decides them. At constant contact pressure, a state and a tangent vector describe an
-//! instance completely. Undecided instances are therefore loaded again as a smaller batch, and decided ones cost nothing more. An
+//! Owns when instances are examined and what decides them. Without wear, a state and its tangent vectors describe an instance
+//! completely. Undecided instances are therefore loaded again as a smaller batch, and decided ones cost nothing more. An
 //! instance that is never decided here runs to its full length.
 //!
 //! - An orbit that has come near an attracting cycle is regular: the Floquet multipliers of the cycle are its exponents,
 //!   without any average.
-//! - An orbit whose mean growth stands many standard errors above zero is chaotic, if the error can be trusted.
+//! - An orbit whose mean growth stands many standard errors above zero is chaotic, if the error can be trusted. With heat, the shaft
+//!   must have warmed up before growth counts.
 //! - Runaways, and instances that the scheme has given up, are dropped.
 
 use std::ops::{ControlFlow, Range};
@@ -18,6 +19,7 @@ use super::{CONSTANT_GROWTH, Class, Measurement, Status};
 use crate::backend::{Backend, BackendError, BackendKind, Contact, EndState, Instance, Slice, Stage, Sums};
 use crate::dynamics::statistics::Spread;
 use crate::experiment::{Sampling, Settings};
+use crate::model::rubbing::{has_ramp_ended, is_warm};
 
 /// Forcing periods of each of the first legs. A leg is a part of the run; at its end, the undecided instances are examined. These legs
 /// are the motion alone, and most cycles are reached within them.
@@ -69,7 +71,7 @@ const GROWN: f64 = 9.0;
 /// for, so that more periods give a smaller error.
 const LEAST_PERIODS: u32 = 160;
 
-/// Measures a batch of instances of constant contact pressure. `progress` counts every instance with its full length, also if it
+/// Measures a batch of instances without wear. `progress` counts every instance with its full length, also if it
 /// was decided early. None if `progress` stopped the run.
 ///
 /// # Errors
@@ -155,7 +157,7 @@ impl Live {
     fn new(index: usize, instance: &Instance) -> Self {
         Self {
             index,
-            instance: *instance,
+            instance: instance.clone(),
             extremes: [f64::INFINITY, f64::NEG_INFINITY],
             growth: GrowthSums::default(),
             spread: Spread::default(),
@@ -167,14 +169,9 @@ impl Live {
     /// The instance as a candidate for a cycle, if it may be on one.
     fn on_cycle(&self) -> Option<Candidate> {
         Some(Candidate {
-            instance: self.instance,
+            instance: self.instance.clone(),
             period: self.candidate?,
         })
-    }
-
-    fn take(&mut self, end: &EndState) {
-        self.instance.state = [end.x, end.y];
-        self.instance.tangent = end.tangent;
     }
 
     /// Its present state, as the end state of a motion on no cycle.
@@ -188,17 +185,25 @@ impl Live {
             period: None,
             runaway_periods: None,
             under_resolved: false,
-            contact: Contact::CONSTANT,
+            heated: self.instance.heated.clone(),
+            contact: self
+                .instance
+                .heated
+                .as_ref()
+                .map_or(Contact::CONSTANT, |heated| heated.contact),
         }
     }
 
     /// Its measurement if it is chaotic beyond doubt.
     fn if_chaotic(&self, settings: &Settings, elapsed: u32, backend: BackendKind) -> Option<Measurement> {
         let periods = elapsed.saturating_sub(SETTLING);
-        if periods < LEAST_PERIODS.max(settings.sampling.periods / 2) {
+        let parameters = &self.instance.parameters;
+        let start = f64::from(SETTLING) * parameters.forcing_period();
+        let may_count =
+            !parameters.has_heat_or_wear() || (has_ramp_ended(parameters, start) && is_warm(parameters, start));
+        if !may_count || periods < LEAST_PERIODS.max(settings.sampling.periods / 2) {
             return None;
         }
-        let parameters = &self.instance.parameters;
         let measurement = self.growth.measurement(&Ended {
             parameters,
             settings: &over(settings, periods),
@@ -220,7 +225,14 @@ impl Live {
 
     /// Its measurement if it has run away or been given up.
     fn given_up(&self, end: &EndState, kind: BackendKind) -> Option<Measurement> {
-        let unresolved = || Measurement::unmeasured(Status::UnderResolved, kind);
+        let unresolved = || Measurement {
+            contact: if self.instance.parameters.has_heat_or_wear() {
+                end.contact
+            } else {
+                Contact::UNKNOWN
+            },
+            ..Measurement::unmeasured(Status::UnderResolved, kind)
+        };
         runaway(&self.instance.parameters, end, kind).or_else(|| end.under_resolved.then(unresolved))
     }
 
@@ -244,7 +256,7 @@ struct Batch<'a> {
 impl Batch<'_> {
     /// The live instances in their present states.
     fn present(&self) -> Vec<Instance> {
-        self.live.iter().map(|live| live.instance).collect()
+        self.live.iter().map(|live| live.instance.clone()).collect()
     }
 
     /// Integrates all live instances over a leg; those that run away or are given up are measured.
@@ -297,7 +309,7 @@ impl Batch<'_> {
         }
         let kind = backend.kind();
         for (live, end) in self.live.iter_mut().zip(backend.end_states()?) {
-            live.take(&end);
+            live.instance = live.instance.at(&end);
             live.candidate = end.period;
             if leg.start >= SETTLING {
                 live.extremes = [live.extremes[0].min(end.x_min), live.extremes[1].max(end.x_max)];

@@ -107,7 +107,7 @@ impl GrowthSums {
             return runaway;
         }
         if parameters.has_heat_or_wear() || !sums_all(backend, settings) {
-            return self.measurement_of_one_vector(ended);
+            return self.measurement_without_divergence(ended);
         }
         let period_time = parameters.forcing_period();
         let time = f64::from(settings.sampling.periods) * period_time;
@@ -160,7 +160,12 @@ impl GrowthSums {
             } else {
                 f64::NAN
             },
-            divergence: if has_second { first + second } else { f64::NAN },
+            // with heat there are more exponents than these two, and no divergence was summed up
+            divergence: if measurement.divergence.is_nan() {
+                f64::NAN
+            } else {
+                first + second
+            },
             ..measurement
         }
     }
@@ -223,9 +228,9 @@ impl GrowthSums {
         }
     }
 
-    /// The measurement of a motion with one tangent vector and no sum of the divergence: with frictional heat or wear, and by
-    /// radau on a GPU. With wear the motion is transient: it has an exponent of finite time and no class.
-    fn measurement_of_one_vector(&self, ended: &Ended<'_>) -> Measurement {
+    /// The measurement of a motion without a sum of the divergence: with frictional heat or wear, and by radau on a GPU. With heat
+    /// there may be a second tangent vector. With wear the motion is transient: it has an exponent of finite time and no class.
+    fn measurement_without_divergence(&self, ended: &Ended<'_>) -> Measurement {
         let Ended {
             parameters,
             settings,
@@ -235,7 +240,14 @@ impl GrowthSums {
         let time = f64::from(settings.sampling.periods) * parameters.forcing_period();
         let growth = self.total.growth[0];
         if !parameters.wears() {
-            let measurement = self.settled(ended, self.lasting_measurement(ended, growth / time));
+            // NaN without a second vector
+            let [lyapunov, lyapunov_second] = statistics::exponents(self.total.growth.map(|growth| growth / time));
+            let measurement = Measurement {
+                lyapunov_second,
+                lyapunov_second_error: statistics::standard_error(&self.second_batches) / parameters.forcing_period(),
+                ..self.lasting_measurement(ended, lyapunov)
+            };
+            let measurement = self.settled(ended, measurement);
             let measurement = if parameters.has_heat_or_wear() {
                 measurement
             } else {
@@ -352,7 +364,7 @@ mod tests {
     use crate::backend::Contact;
     use crate::experiment::Sampling;
 
-    /// With heat there are no multipliers: the motion before the cycle is left out of the mean.
+    /// Where no cycle was found, there are no multipliers: the motion before the cycle is left out of the mean.
     #[test]
     fn a_transient_is_no_part_of_the_mean_on_a_cycle() {
         let parameters = ParameterSet::default().with(Parameter::Gamma, 0.01);
@@ -372,6 +384,7 @@ mod tests {
             period: Some(2),
             runaway_periods: None,
             under_resolved: false,
+            heated: None,
             contact: Contact::CONSTANT,
         };
         let measured = |rates: [f64; 2]| {

@@ -108,7 +108,7 @@ fn complete(
         m.status == Status::UnderResolved || (is_by_default && is_rough(m))
     });
     if !given_up.is_empty() {
-        let chosen: Vec<_> = given_up.iter().map(|&index| instances[index]).collect();
+        let chosen: Vec<_> = given_up.iter().map(|&index| instances[index].clone()).collect();
         // they were reported as done before
         let mut silent = |_| progress(0);
         let anew = match next(scheme, kind) {
@@ -160,7 +160,7 @@ impl Escape {
             let last = Instance::new(instance.parameters, [measured.x, measured.y]);
             (noticed - 1, last)
         } else {
-            (0, *instance)
+            (0, instance.clone())
         };
         Some(Self {
             index,
@@ -223,7 +223,7 @@ fn locate(
     escapes: &[Escape],
     measured: &mut [Measurement],
 ) -> Result<(), BackendError> {
-    let instances: Vec<_> = escapes.iter().map(|escape| escape.begun).collect();
+    let instances: Vec<_> = escapes.iter().map(|escape| escape.begun.clone()).collect();
     backend.load(settings, &instances)?;
     backend.advance(&Slice {
         stage: Stage::Transient,

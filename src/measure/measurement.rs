@@ -69,13 +69,14 @@ pub struct Measurement {
     pub lyapunov_error: f64,
     /// The scheme's share in `lyapunov_error`. It is the sum of ten times the difference between the sum of the exponents and the
     /// divergence, of rounding, and of the difference from the exponent of a finer scheme. NaN where it is unknown: with heat if
-    /// the motion is on no cycle, and with wear.
+    /// the motion is on no cycle that was found, and with wear.
     pub scheme_error: f64,
-    /// The smaller of the two non-trivial exponents; equal to the maximal one where the tangent vectors rotate. NaN with heat or
-    /// wear, where the tangent space has more dimensions. NaN also on a limit cycle without a drive: there, one of the two
-    /// exponents is the trivial zero along the flow, which is left out. NaN by radau on a GPU, which carries one vector only.
+    /// The second largest exponent, which at constant contact pressure is the smaller of the two non-trivial ones; equal to the
+    /// maximal one where the tangent vectors rotate. NaN with wear. NaN also on a limit cycle without a drive and heat: there, one
+    /// of the two exponents is the trivial zero along the flow, which is left out. NaN by radau on a GPU, which carries one vector
+    /// only, except on a cycle with heat, which is found on the CPU.
     pub lyapunov_second: f64,
-    /// Standard error of `lyapunov_second`, by batch means.
+    /// Standard error of `lyapunov_second`: as that of `lyapunov`.
     pub lyapunov_second_error: f64,
     /// Mean divergence of the flow, which the sum of the two exponents equals. NaN with heat or wear, and by radau on a GPU.
     pub divergence: f64,

@@ -1,15 +1,14 @@
 //! The scheme's share in an error: exponents are measured again, from where the run ended, by a finer scheme.
 //!
 //! Owns what is compared, and what a difference means. At constant contact pressure the finer scheme is taylor in f64, whose own
-//! error is a millionth, and which costs a fraction of the others. With heat it is radau with a smaller tolerance, and only
-//! cycles are compared: for chaos, a mean over so few periods is less accurate than the exponent already is.
+//! error is a millionth, and which costs a fraction of the others.
 
 use std::ops::ControlFlow;
 
 use super::evaluation::checked;
 use super::{Class, Measurement, QUASI_PERIODIC_ERROR, Status, fallback};
 use crate::backend::cpu::CpuBackend;
-use crate::backend::{Backend, BackendError, Instance, Slice, Stage};
+use crate::backend::{BackendError, Instance};
 use crate::experiment::{Integration, Precision, Sampling, Scheme, Settings};
 
 /// Two exponents may differ by chance by up to this many times their combined error.
@@ -60,78 +59,6 @@ pub(super) fn add(
         measured[index] = compared(&measured[index], &finer);
     }
     Ok(Some(()))
-}
-
-/// The tolerance, relative to that of the run, with which cycles with heat are continued...
-const FINER: f64 = 0.125;
-
-/// ...for this many forcing periods, in which they settle on the cycle that belongs to that tolerance...
-const ALIGN: u32 = 16;
-
-/// ...and for this many more, which are measured. Only cycles with at most this period are compared.
-const LOOK: u32 = 32;
-
-/// Adds the scheme's share to the errors of those instances of a batch with heat that have ended on a cycle, after a run of
-/// `elapsed` periods. With wear there is no error to add to.
-///
-/// # Errors
-/// If the backend fails.
-pub(super) fn add_with_heat(
-    backend: &mut dyn Backend,
-    settings: &Settings,
-    instances: &[Instance],
-    elapsed: u32,
-    measured: &mut [Measurement],
-) -> Result<(), BackendError> {
-    let is_on_cycle = |m: &Measurement| {
-        m.period
-            .is_some_and(|period| period <= LOOK.min(settings.sampling.periods))
-    };
-    if !measured.iter().any(is_on_cycle) {
-        return Ok(());
-    }
-    let look = LOOK.min(settings.sampling.periods);
-    backend.begin_anew(&Settings {
-        integration: Integration {
-            tolerance: FINER * settings.integration.tolerance,
-            ..settings.integration
-        },
-        sampling: Sampling {
-            periods: look,
-            ..settings.sampling
-        },
-    });
-    backend.advance(&Slice {
-        stage: Stage::Align,
-        first: 0,
-        periods: ALIGN,
-        elapsed,
-    })?;
-    let mut growth = vec![Vec::new(); instances.len()];
-    for first in 0..look {
-        backend.advance(&Slice {
-            stage: Stage::Measure,
-            first,
-            periods: 1,
-            elapsed: elapsed + ALIGN + first,
-        })?;
-        for (growth, sums) in growth.iter_mut().zip(backend.collect()?) {
-            growth.push(sums.growth[0]);
-        }
-    }
-    for ((m, instance), growth) in measured.iter_mut().zip(instances).zip(&growth) {
-        let Some(period) = m.period.filter(|_| is_on_cycle(m)) else {
-            continue;
-        };
-        let whole_turns = (look - look % period) as usize;
-        let finer =
-            growth[..whole_turns].iter().sum::<f64>() / (whole_turns as f64 * instance.parameters.forcing_period());
-        let share = beyond_chance([m.lyapunov, m.lyapunov_error], [finer, 0.0]);
-        m.lyapunov_error += share;
-        m.scheme_error = share;
-        m.integrated_periods += ALIGN + look;
-    }
-    Ok(())
 }
 
 /// A measurement with the scheme's share added to its errors, given the finer scheme's measurement of the same motion.

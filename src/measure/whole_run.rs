@@ -99,7 +99,9 @@ pub(super) fn measure(
             })
         })
         .collect();
-    if !instances[0].parameters.has_heat_or_wear() && sums_all(backend.kind(), settings) {
+    let parameters = &instances[0].parameters;
+    let finds_cycles = parameters.is_heated() || (!parameters.wears() && sums_all(backend.kind(), settings));
+    if finds_cycles {
         measure_cycles(backend, settings, instances, &ends, &mut measured)?;
     }
     Ok(Some(measured))
@@ -117,16 +119,9 @@ fn measure_cycles(
     let (indices, candidates): (Vec<usize>, Vec<Candidate>) = (0..instances.len())
         .filter(|&index| measured[index].status == Status::Ok)
         .filter_map(|index| {
-            let EndState {
-                x, y, tangent, period, ..
-            } = ends[index];
             let candidate = Candidate {
-                instance: Instance {
-                    state: [x, y],
-                    tangent,
-                    ..instances[index]
-                },
-                period: period?,
+                period: ends[index].period?,
+                instance: instances[index].at(&ends[index]),
             };
             Some((index, candidate))
         })

@@ -3,10 +3,11 @@
 //! Owns the coefficients of the coupled system and its pointwise laws; the scheme advances the heat modes. Twin:
 //! `shaders/model/rubbing.wgsl`.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::friction::{Friction, Piece};
-use super::thermal_modes::ThermalModes;
+use super::thermal_modes::{ThermalModes, slowest_rate};
 use crate::lanes::Real;
 use crate::parameters::{Parameter, ParameterSet};
 
@@ -106,20 +107,58 @@ impl<R: Real> Rubbing<R> {
     }
 }
 
-/// The spectra of the shafts in a batch. The spectrum of each Biot number is computed only once, because this takes as long as
-/// many steps.
+/// A ramp of the fit, 1 - exp(-delta tau^2), has ended, to rounding, once delta tau^2 exceeds this.
+const RAMP_END: f64 = 37.0;
+
+/// The heat has settled when the slowest mode has decayed by a factor of e to this power.
+pub const SETTLED: f64 = 10.0;
+
+/// Whether the fit no longer grows at this time since the start of the motion.
+pub fn has_ramp_ended(parameters: &ParameterSet, time: f64) -> bool {
+    let rate = parameters[Parameter::RampRate];
+    rate.is_infinite() || rate * time * time > RAMP_END
+}
+
+/// Whether the shaft has warmed up by this time since the start of the motion.
+pub fn is_warm(parameters: &ParameterSet, time: f64) -> bool {
+    let rate = slowest_rate(parameters[Parameter::Biot], parameters[Parameter::OmegaTilde]);
+    parameters[Parameter::Gamma] == 0.0 || rate * time > SETTLED
+}
+
+/// The spectra of the shafts in a batch.
 #[derive(Clone, Debug)]
-pub struct Spectra(HashMap<u64, ThermalModes>);
+pub struct Spectra(HashMap<u64, Arc<ThermalModes>>);
+
+/// The spectra that were computed last, by Biot number and number of modes. Each is computed only once, because this takes as long
+/// as many steps, and batches follow one another quickly.
+static COMPUTED: Mutex<BTreeMap<(u64, usize), Arc<ThermalModes>>> = Mutex::new(BTreeMap::new());
+
+/// Most spectra that are kept.
+const MOST_COMPUTED: usize = 10_000;
+
+/// The spectrum of a Biot number, which has these bits.
+fn spectrum(bits: u64, modes: usize) -> Arc<ThermalModes> {
+    // what is in there is complete, also after a panic elsewhere
+    let computed = || COMPUTED.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(found) = computed().get(&(bits, modes)) {
+        return Arc::clone(found);
+    }
+    let new = Arc::new(ThermalModes::new(f64::from_bits(bits), modes));
+    let mut computed = computed();
+    if computed.len() >= MOST_COMPUTED {
+        computed.clear();
+    }
+    computed.insert((bits, modes), Arc::clone(&new));
+    new
+}
 
 impl Spectra {
     /// The spectra of all instances, with `modes` heat modes each.
     pub fn new<'a>(instances: impl IntoIterator<Item = &'a ParameterSet>, modes: usize) -> Self {
         let mut spectra = HashMap::new();
         for instance in instances {
-            let biot = instance[Parameter::Biot];
-            spectra
-                .entry(biot.to_bits())
-                .or_insert_with(|| ThermalModes::new(biot, modes));
+            let bits = instance[Parameter::Biot].to_bits();
+            spectra.entry(bits).or_insert_with(|| spectrum(bits, modes));
         }
         Self(spectra)
     }

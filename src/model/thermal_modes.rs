@@ -31,6 +31,12 @@ pub fn roots(biot: f64, count: usize) -> Vec<f64> {
     (1..=count).map(|m| root(biot, m)).collect()
 }
 
+/// The rate mu_1^2 omega-tilde at which the slowest heat mode decays.
+#[must_use]
+pub fn slowest_rate(biot: f64, omega_tilde: f64) -> f64 {
+    root(biot, 1).powi(2) * omega_tilde
+}
+
 /// The root between the (m-1)-th zero of J1 and the m-th zero of J0, by Newton's method kept inside its bracket.
 fn root(biot: f64, m: usize) -> f64 {
     let (mut low, mut high) = (if m == 1 { 0.0 } else { zero_of_j1(m - 1) }, zero_of_j0(m));

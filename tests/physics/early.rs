@@ -290,11 +290,7 @@ fn a_run_that_is_taken_up_again_goes_on_as_if_it_had_not_been_interrupted() {
             let again: Vec<_> = points
                 .iter()
                 .zip(&middle)
-                .map(|(&parameters, end)| Instance {
-                    parameters,
-                    state: [end.x, end.y],
-                    tangent: end.tangent,
-                })
+                .map(|(&parameters, end)| Instance::from(parameters).at(end))
                 .collect();
             backend.load(&settings, &again).unwrap();
             let (sums, again) = advance(&mut backend, 0);

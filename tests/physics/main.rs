@@ -11,6 +11,7 @@ mod early;
 mod edges;
 mod exponents;
 mod heat_modes;
+mod heated_cycles;
 mod lanes;
 mod lifetime;
 mod oracle;

@@ -8,7 +8,6 @@ use tribochaos::backend::cpu::CpuBackend;
 use tribochaos::dynamics::adaptive::{Control, Orbit, Peaks, System, Tangent};
 use tribochaos::dynamics::history::{Sample, history};
 use tribochaos::dynamics::radau::ModeStep;
-use tribochaos::dynamics::tangent::Bases;
 use tribochaos::experiment::{Integration, Precision, Preset, Sampling, Scheme, Settings};
 use tribochaos::lanes::Real;
 use tribochaos::measure::{Class, Measurement, Status, measure_batch};
@@ -274,7 +273,8 @@ fn modes_and_tolerance_converge() {
     // the tolerance bounds an estimate of order 3, the steps are of order 5
     let [coarse, fine] = [1e-2, 1e-4].map(|tolerance| errors(with(32, tolerance)));
     assert!(fine.0 < coarse.0 / 3.0 && fine.0 < 1e-4, "{coarse:?} {fine:?}");
-    assert!(fine.1 < coarse.1 / 10.0 && fine.1 < 1e-4, "{coarse:?} {fine:?}");
+    // a cycle is measured with a finer tolerance than that of the run
+    assert!(fine.1 < coarse.1 / 5.0 && fine.1 < 1e-5, "{coarse:?} {fine:?}");
 }
 
 #[test]
@@ -353,11 +353,12 @@ fn followed<R: Real>(set: &ParameterSet, x0: R, periods: u32) -> ([R; 3], [R; 3]
     let control = Control::new(&settings.integration);
     let mut orbit = Orbit::start(&system, x0, R::splat(set[Parameter::Y0]));
     let mut peaks = Peaks::start(&orbit);
-    let mut tangent = Tangent::start(Bases::start().first, modes.rates.len());
+    let mut tangent = [Tangent::at(&orbit, &system, &[R::splat(1.0)])];
     let mut scratch = vec![ModeStep::empty(); modes.rates.len()];
     for _ in 0..periods {
-        orbit.period(&system, &control, &mut peaks, Some(&mut tangent), &mut scratch);
+        orbit.period(&system, &control, &mut peaks, &mut tangent, &mut scratch);
     }
+    let [tangent] = tangent;
     (
         [orbit.x, orbit.v, orbit.fit],
         [tangent.at.x, tangent.at.v, tangent.at.fit],

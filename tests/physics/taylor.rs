@@ -55,7 +55,7 @@ fn both(p: &ParameterSet, settings: &Settings, periods: u32) -> ([f64; 3], [f64;
         elapsed: 0,
     };
     backend.advance(&slice).unwrap();
-    let (end, sums) = (backend.end_states().unwrap()[0], backend.collect().unwrap()[0]);
+    let (end, sums) = (backend.end_states().unwrap().remove(0), backend.collect().unwrap()[0]);
     let mut orbit = ReferenceOrbit::new(p);
     (0..periods).for_each(|_| orbit.period());
     let r = *orbit.state();

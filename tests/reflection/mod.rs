@@ -99,7 +99,7 @@ fn address_space(access: Access) -> AddressSpace {
         Access::Read => AddressSpace::Storage {
             access: StorageAccess::LOAD,
         },
-        Access::ReadWrite => AddressSpace::Storage {
+        Access::ReadWrite | Access::Kept => AddressSpace::Storage {
             access: StorageAccess::LOAD | StorageAccess::STORE,
         },
     }

@@ -16,7 +16,7 @@ pub use self::instructions::InstructionSet;
 use self::radau::RadauBlock;
 use self::rk4::Rk4Block;
 use self::taylor::TaylorBlock;
-use super::{Backend, BackendError, EndState, Instance, Slice, Sums, check_tangents};
+use super::{Backend, BackendError, EndState, Instance, Slice, Sums, check_states};
 use crate::backend::BackendKind;
 use crate::experiment::{Precision, Scheme, Settings};
 #[cfg(all(target_arch = "x86_64", not(test)))]
@@ -112,7 +112,7 @@ impl Backend for CpuBackend {
     }
 
     fn load(&mut self, settings: &Settings, instances: &[Instance]) -> Result<(), BackendError> {
-        check_tangents(instances)?;
+        check_states(settings, instances)?;
         #[cfg(all(target_arch = "x86_64", not(test)))]
         let blocks = NewBlocks { settings, instances };
         self.batch = Some(match (self.instructions, self.precision) {
@@ -136,10 +136,6 @@ impl Backend for CpuBackend {
             (_, Precision::F32) => batch::<Portable, Pair<f32>, Quad<f32>>(Portable, settings, instances),
         });
         Ok(())
-    }
-
-    fn begin_anew(&mut self, settings: &Settings) {
-        self.batch().begin_anew(settings);
     }
 
     fn advance(&mut self, slice: &Slice) -> Result<(), BackendError> {
@@ -200,7 +196,6 @@ impl OverLanes for NewBlocks<'_> {
 
 /// A batch of any scheme and lane type.
 trait CpuBatch: Send {
-    fn begin_anew(&mut self, settings: &Settings);
     fn advance(&mut self, slice: &Slice);
     fn collect(&mut self) -> Vec<Sums>;
     fn end_states(&self) -> Vec<EndState>;
@@ -217,11 +212,6 @@ trait Block: Send + Sync + Sized {
 
     /// A block of at most [`Block::INSTANCES`] instances; it is filled up with copies of the last one.
     fn new(run: &Self::Run, settings: &Settings, instances: &[Instance]) -> Self;
-
-    /// Changes the numbers of periods and the tolerance of a run with heat or wear.
-    fn change(_: &mut Self::Run, _: &Settings) {
-        unreachable!("only with heat or wear a batch goes on by other settings")
-    }
 
     /// Whether the motion alone is left to [`Block::advance_plain`]. It is a separate function, since compilers take much longer for
     /// one function of twice the size.
@@ -272,10 +262,6 @@ impl<I: Instructions, B: Block> Blocks<I, B> {
 }
 
 impl<I: Instructions, B: Block> CpuBatch for Blocks<I, B> {
-    fn begin_anew(&mut self, settings: &Settings) {
-        self.run.with_mut(|run| B::change(run, settings));
-    }
-
     fn advance(&mut self, slice: &Slice) {
         let blocks = self.blocks.par_iter_mut();
         // the code that advances a block is inlined, so that it is compiled for the instructions

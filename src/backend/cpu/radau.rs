@@ -3,14 +3,17 @@
 //! Owns the loop over forcing periods and what is recorded of each; [`adaptive`](crate::dynamics::adaptive) takes the steps
 //! within. Compiled for each instruction set by its caller.
 
+use nalgebra::DMatrix;
+
 use super::super::{EndState, Instance, Slice, Stage, Sums};
 use super::Block;
 use super::record::{Measuring, Record};
-use crate::backend::Contact;
+use crate::backend::rubbed::Begun;
+use crate::backend::{Contact, HeatedState};
 use crate::dynamics::adaptive::{Control, Orbit, Peaks, Scratch, System, Tangent};
 use crate::dynamics::divergence_check::growth_of_first;
 use crate::dynamics::radau::ModeStep;
-use crate::dynamics::tangent::Vector;
+use crate::dynamics::tangent::Growth;
 use crate::experiment::Settings;
 use crate::lanes::{Mask, Real};
 use crate::model::rubbing::{HeatModes, Spectra};
@@ -20,11 +23,13 @@ use crate::parameters::ParameterSet;
 pub(super) struct RadauBlock<R: Real> {
     system: System<R>,
     orbit: Orbit<R>,
-    tangent: Tangent<R>,
+    /// The tangent vectors that are carried.
+    tangents: Vec<Tangent<R>>,
     peaks: Peaks<R>,
     scratch: Scratch<R>,
     record: Record<R>,
-    forcing_periods: Vec<f64>,
+    /// Of each lane, in f64: a lane's own type may round them to 0.
+    parameters: Vec<ParameterSet>,
 }
 
 /// Data that all instances of a batch share.
@@ -33,6 +38,8 @@ pub(super) struct Run<R> {
     control: Control<R>,
     /// None where there is neither heat nor wear.
     spectra: Option<Spectra>,
+    /// Number of tangent vectors.
+    vectors: usize,
 }
 
 impl<R: Real + Send + Sync> Block for RadauBlock<R> {
@@ -49,6 +56,7 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
                 .clone()
                 .any(ParameterSet::has_heat_or_wear)
                 .then(|| Spectra::new(points, settings.integration.modes as usize)),
+            vectors: instances.iter().map(Instance::vectors).max().unwrap_or(1),
         }
     }
 
@@ -63,25 +71,16 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
             })
             .collect();
         let system = System::new(lanes, |lane| &modes[lane.min(modes.len() - 1)]);
-        let [x, y] = [0, 1].map(|n| R::from_lanes(|lane| instance(lane).state[n]));
-        let orbit = Orbit::start(&system, x, y);
-        let count = modes[0].rates.len();
+        let Begun { orbit, peaks, tangents } = Begun::new(&system, run.vectors, instance);
         Self {
-            tangent: Tangent::start(Vector::from_lanes(|lane| instance(lane).tangent), count),
-            peaks: Peaks::start(&orbit),
-            scratch: vec![ModeStep::empty(); count],
+            tangents,
+            peaks,
+            scratch: vec![ModeStep::empty(); system.mode_count()],
             record: Record::new(),
-            forcing_periods: (0..R::LANES)
-                .map(|lane| instance(lane).parameters.forcing_period())
-                .collect(),
+            parameters: (0..R::LANES).map(|lane| instance(lane).parameters).collect(),
             system,
             orbit,
         }
-    }
-
-    fn change(run: &mut Run<R>, settings: &Settings) {
-        run.measuring = Measuring::new(settings);
-        run.control = Control::new(&settings.integration);
     }
 
     #[inline(always)]
@@ -92,17 +91,26 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
         }
         for n in 0..slice.periods {
             // one call serves all stages: the scheme is long, and every call of it is compiled for every lane type
-            let tangent = (!slice.stage.is_plain()).then_some(&mut self.tangent);
+            let tangents = if slice.stage.is_plain() {
+                &mut []
+            } else {
+                self.tangents.as_mut_slice()
+            };
             self.orbit
-                .period(&self.system, &run.control, &mut self.peaks, tangent, &mut self.scratch);
-            if slice.stage == Stage::Watch {
-                let (x, y) = (self.orbit.x, self.orbit.y(&self.system));
-                self.record.watch(&run.measuring, slice.first + n, x, y);
-            } else if slice.stage != Stage::Transient {
-                let growth = self.tangent.normalise(&self.system);
-                let divergence = self.tangent.take_divergence();
-                if measured {
-                    self.add(run, slice.first + n, growth, divergence);
+                .period(&self.system, &run.control, &mut self.peaks, tangents, &mut self.scratch);
+            match slice.stage {
+                Stage::Transient => {}
+                Stage::Linearise => [self.record.x_min, self.record.x_max] = self.orbit.extremes,
+                Stage::Watch => {
+                    let (x, y) = (self.orbit.x, self.orbit.y(&self.system));
+                    self.record.watch(&run.measuring, slice.first + n, x, y);
+                }
+                Stage::Align | Stage::Measure | Stage::Check => {
+                    let growth = Tangent::orthonormalise(&mut self.tangents, &self.system);
+                    let divergence = self.tangents[0].take_divergence();
+                    if measured {
+                        self.add(run, slice.first + n, growth, divergence);
+                    }
                 }
             }
             self.note_given_up(slice.elapsed + n + 1);
@@ -118,18 +126,35 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
     }
 
     fn end_state(&self, index: usize) -> EndState {
-        let tau = |at: [R; 2]| at[0].lane(index) * self.forcing_periods[index] + at[1].lane(index);
+        let parameters = &self.parameters[index];
+        let tau = |at: [R; 2]| at[0].lane(index) * parameters.forcing_period() + at[1].lane(index);
         let lost = self.peaks.lost;
         let y = self.orbit.y(&self.system).lane(index);
-        let tangent = self.tangent.in_plane().lane(index);
+        let contact = Contact {
+            lost: (lost[0].lane(index) >= 0.0).then(|| tau(lost)),
+            peak_pressure: self.peaks.pressure.lane(index),
+            peak_pressure_time: tau(self.peaks.pressure_time),
+            final_wear: self.orbit.wear(&self.system).lane(index),
+            peak_temperature: self.peaks.temperature.lane(index),
+        };
+        let tangent = if parameters.has_heat_or_wear() {
+            [f64::NAN; 2]
+        } else {
+            self.tangents[0].in_plane(index)
+        };
+        let heated = parameters.is_heated().then(|| {
+            Box::new(HeatedState {
+                pressures: self.orbit.mode_pressures(&self.system, index),
+                vectors: self.vectors(index),
+                periods: self.orbit.periods.lane(index),
+                is_in_contact: self.orbit.contact.lane(index) > 0.0,
+                contact,
+                step: self.orbit.step.lane(index) / R::PERIOD_TICKS,
+            })
+        });
         EndState {
-            contact: Contact {
-                lost: (lost[0].lane(index) >= 0.0).then(|| tau(lost)),
-                peak_pressure: self.peaks.pressure.lane(index),
-                peak_pressure_time: tau(self.peaks.pressure_time),
-                final_wear: self.orbit.wear(&self.system).lane(index),
-                peak_temperature: self.peaks.temperature.lane(index),
-            },
+            heated,
+            contact,
             ..self.record.end_state(index, [self.orbit.x.lane(index), y], tangent)
         }
     }
@@ -137,20 +162,28 @@ impl<R: Real + Send + Sync> Block for RadauBlock<R> {
 
 impl<R: Real> RadauBlock<R> {
     #[inline(always)]
-    fn add(&mut self, run: &Run<R>, index: u32, first: R, divergence: R) {
+    fn add(&mut self, run: &Run<R>, index: u32, growth: Growth<R>, divergence: R) {
         let (x, y) = (self.orbit.x, self.orbit.y(&self.system));
-        // with heat or wear the tangent space has more dimensions than two
+        // at constant pressure the tangent space has two dimensions: the divergence tells how the second vector grows
         let has_heat_or_wear = R::splat(0.5).less(self.system.has_heat_or_wear);
+        let constant = growth_of_first(growth.first, divergence);
+        let growth = Growth {
+            first: growth.first,
+            second: R::select(has_heat_or_wear, growth.second, constant.second),
+        };
         let divergence = R::select(has_heat_or_wear, R::splat(f64::NAN), divergence);
-        self.record.add(
-            &run.measuring,
-            index,
-            growth_of_first(first, divergence),
-            divergence,
-            x,
-            y,
-        );
+        self.record.add(&run.measuring, index, growth, divergence, x, y);
         [self.record.x_min, self.record.x_max] = self.orbit.extremes;
+    }
+
+    /// The tangent vectors of a lane.
+    fn vectors(&self, lane: usize) -> DMatrix<f64> {
+        let (size, count) = (2 + self.system.mode_count(), self.tangents.len());
+        let components = self
+            .tangents
+            .iter()
+            .flat_map(|tangent| tangent.components(&self.system, lane));
+        DMatrix::from_iterator(size, count, components)
     }
 
     /// Notes lanes that the scheme gave up in `period`, counted from 1.

@@ -188,6 +188,7 @@ impl<R: Real> Record<R> {
             period: self.motion_periods[lane],
             runaway_periods: self.runaways[lane],
             under_resolved: self.under_resolved[lane],
+            heated: None,
             contact: Contact::CONSTANT,
         }
     }

@@ -59,11 +59,6 @@ impl GpuBatch {
         self.buffers
     }
 
-    pub fn begin_anew(&self, context: &GpuContext, settings: &Settings) {
-        self.model
-            .write_run(context, &self.buffers, settings, self.load.instances as usize);
-    }
-
     /// Advances the batch by a slice, in as many dispatches as that takes.
     pub fn advance(&self, context: &GpuContext, kernels: &mut Kernels, slice: &Slice) -> Result<(), BackendError> {
         let mut left = *slice;

@@ -148,6 +148,6 @@ fn usage(access: Access) -> BufferUsages {
     BufferUsages::COPY_DST
         | match access {
             Access::Uniform => BufferUsages::UNIFORM,
-            Access::Read | Access::ReadWrite => BufferUsages::STORAGE | BufferUsages::COPY_SRC,
+            Access::Read | Access::ReadWrite | Access::Kept => BufferUsages::STORAGE | BufferUsages::COPY_SRC,
         }
 }

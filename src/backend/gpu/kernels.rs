@@ -107,7 +107,7 @@ fn layout_entry(binding: &Binding) -> wgpu::BindGroupLayoutEntry {
             ty: match binding.access {
                 Access::Uniform => Uniform,
                 Access::Read => Storage { read_only: true },
-                Access::ReadWrite => Storage { read_only: false },
+                Access::ReadWrite | Access::Kept => Storage { read_only: false },
             },
             has_dynamic_offset: false,
             min_binding_size: wgpu::BufferSize::new(binding.element()),

@@ -28,7 +28,10 @@ pub struct Span {
 pub enum Access {
     Uniform,
     Read,
+    /// Kernels write it, and the host reads it.
     ReadWrite,
+    /// Kernels write it for themselves alone.
+    Kept,
 }
 
 /// How many elements a buffer has.
@@ -93,9 +96,9 @@ impl Binding {
         }
     }
 
-    /// Whether the host reads the buffer: kernels write it, and it has one element for each instance.
+    /// Whether the host reads the buffer.
     pub(super) fn is_read_back(&self) -> bool {
-        self.access == Access::ReadWrite && matches!(self.count, Count::Instances)
+        self.access == Access::ReadWrite
     }
 }
 

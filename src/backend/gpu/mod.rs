@@ -26,7 +26,7 @@ use self::model::Model;
 use self::reduced::Reduced;
 use self::rubbed::Rubbed;
 use self::shader_source::Shader;
-use super::{Backend, BackendError, EndState, Instance, Slice, Sums, check_tangents};
+use super::{Backend, BackendError, EndState, Instance, Slice, Stage, Sums, check_states};
 use crate::backend::BackendKind;
 use crate::experiment::{Integration, MAX_MODES, Scheme, Settings};
 
@@ -156,7 +156,7 @@ impl Backend for GpuBackend {
     }
 
     fn load(&mut self, settings: &Settings, instances: &[Instance]) -> Result<(), BackendError> {
-        check_tangents(instances)?;
+        check_states(settings, instances)?;
         let scheme = settings.integration.scheme;
         let model = model_of(settings, instances)?;
         let bindings = model.bindings();
@@ -178,11 +178,11 @@ impl Backend for GpuBackend {
         self.context.check()
     }
 
-    fn begin_anew(&mut self, settings: &Settings) {
-        self.batch().begin_anew(&self.context, settings);
-    }
-
     fn advance(&mut self, slice: &Slice) -> Result<(), BackendError> {
+        if slice.stage == Stage::Linearise {
+            let error = "the kernels normalise every vector; the CPU linearises motion";
+            return Err(BackendError::Unsupported(error.to_owned()));
+        }
         let batch = self.batch.as_ref().expect(LOADED);
         let kernels = self.kernels[batch.scheme() as usize].as_mut().expect(LOADED);
         batch.advance(&self.context, kernels, slice)

@@ -30,9 +30,6 @@ pub(super) trait Model: Send {
     /// states that they have written.
     fn fill(&self, context: &GpuContext, buffers: &Buffers, settings: &Settings, instances: &[Instance]);
 
-    /// Writes the data of a run that all of its `instances` share.
-    fn write_run(&self, context: &GpuContext, buffers: &Buffers, settings: &Settings, instances: usize);
-
     /// Reads the sums of the first `count` instances and sets them to zero.
     fn take_sums(&self, context: &GpuContext, buffers: &Buffers, count: usize) -> Result<Vec<Sums>, BackendError>;
 

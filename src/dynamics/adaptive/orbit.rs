@@ -81,9 +81,35 @@ impl<R: Real> Orbit<R> {
             runaway_phase: one,
         };
         orbit.under_resolved = R::select(R::splat(MOST_LONG).less(system.long), one, zero);
-        orbit.piece = orbit.piece_of(&system.rubbing);
-        orbit.guess[0] = orbit.begin(system).acceleration;
+        orbit.begin_run(system);
         orbit
+    }
+
+    /// Goes on after some completed periods of a run without wear, with the heat modes `modes` and a first step of `step` ticks.
+    /// `contact` is 1 in contact, 0 in the gap.
+    #[must_use]
+    pub fn resumed(mut self, system: &System<R>, periods: R, modes: Vec<R>, contact: R, step: R) -> Self {
+        let zero = R::splat(0.0);
+        let mut heat = Heat {
+            pressure: zero,
+            falloff: zero,
+        };
+        for (m, mode) in modes.iter().enumerate() {
+            let pressure = system.weights[m] * *mode;
+            heat.pressure = heat.pressure + pressure;
+            heat.falloff = system.rates[m].mul_add(pressure, heat.falloff);
+        }
+        (self.periods, self.modes, self.heat) = (periods, modes, heat);
+        (self.contact, self.step) = (contact, step);
+        self.fit = system.fit(self.time(system));
+        self.begin_run(system);
+        self
+    }
+
+    /// Sets what the first trial of a run begins with.
+    fn begin_run(&mut self, system: &System<R>) {
+        self.piece = self.piece_of(&system.rubbing);
+        self.guess[0] = self.begin(system).acceleration;
     }
 
     #[inline(always)]
@@ -109,6 +135,19 @@ impl<R: Real> Orbit<R> {
     /// u_w.
     pub fn wear(&self, system: &System<R>) -> R {
         system.fit(self.time(system)) - self.fit
+    }
+
+    /// The pressure that each heat mode causes in one lane.
+    pub fn mode_pressures(&self, system: &System<R>, lane: usize) -> Vec<f64> {
+        let modes = self.modes.iter().zip(&system.weights);
+        modes
+            .map(|(mode, weight)| mode.lane(lane) * weight.lane(lane))
+            .collect()
+    }
+
+    /// The sums over the heat modes: the pressure that they cause, and the rate at which it falls off without a heat flux.
+    pub fn heat_sums(&self) -> [R; 2] {
+        [self.heat.pressure, self.heat.falloff]
     }
 
     /// p, 0 in the gap.

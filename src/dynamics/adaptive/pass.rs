@@ -36,14 +36,14 @@ pub const REJECTED: f64 = 0.9;
 pub const SAFETY: f64 = 0.8;
 
 impl<R: Real> Orbit<R> {
-    /// Tries one step in every lane.
+    /// Tries one step in every lane, and carries the tangent vectors over it.
     #[inline(always)]
     pub(super) fn pass(
         &mut self,
         system: &System<R>,
         control: &Control<R>,
         peaks: &mut Peaks<R>,
-        tangent: Option<&mut Tangent<R>>,
+        tangents: &mut [Tangent<R>],
         scratch: &mut Scratch<R>,
     ) {
         let rubbing = &system.rubbing;
@@ -93,8 +93,8 @@ impl<R: Real> Orbit<R> {
         ];
         self.since = R::select(accepted, h, zero);
 
-        if let Some(tangent) = tangent {
-            let alive = peaks.lost[0].less(zero).or(zero.less(system.lasts));
+        let alive = peaks.lost[0].less(zero).or(zero.less(system.lasts));
+        for tangent in tangents {
             Self::carry(
                 system,
                 &start,

@@ -15,17 +15,17 @@ pub const PASS_BUDGET: u32 = 100_000;
 pub const SETTLING_PASSES: u32 = 16;
 
 impl<R: Real> Orbit<R> {
-    /// Follows the orbit, and a tangent vector if there is one, over one forcing period.
+    /// Follows the orbit, and tangent vectors if there are any, over one forcing period.
     #[inline(always)]
     pub fn period(
         &mut self,
         system: &System<R>,
         control: &Control<R>,
         peaks: &mut Peaks<R>,
-        tangent: Option<&mut Tangent<R>>,
+        tangents: &mut [Tangent<R>],
         scratch: &mut Scratch<R>,
     ) {
-        self.part_of_period(system, control, peaks, tangent, scratch, 0, 1);
+        self.part_of_period(system, control, peaks, tangents, scratch, 0, 1);
     }
 
     /// Follows the orbit over part `part` of a forcing period that is divided into `parts` equal parts. The parts must follow one
@@ -37,7 +37,7 @@ impl<R: Real> Orbit<R> {
         system: &System<R>,
         control: &Control<R>,
         peaks: &mut Peaks<R>,
-        mut tangent: Option<&mut Tangent<R>>,
+        tangents: &mut [Tangent<R>],
         scratch: &mut Scratch<R>,
         part: u32,
         parts: u32,
@@ -57,12 +57,12 @@ impl<R: Real> Orbit<R> {
         let long = (0..R::LANES).fold(1.0, |long: f64, lane| long.max(system.long.lane(lane)));
         let budget = (f64::from(PASS_BUDGET) * long.min(MOST_LONG)) as u32;
         while !self.left.all_zero() {
-            self.pass(system, control, peaks, tangent.as_deref_mut(), scratch);
+            self.pass(system, control, peaks, tangents, scratch);
             passes += 1;
-            if passes % SETTLING_PASSES == 0
-                && let Some(tangent) = tangent.as_deref_mut()
-            {
-                tangent.settle(system, R::from_ticks(self.left));
+            if passes % SETTLING_PASSES == 0 {
+                for tangent in &mut *tangents {
+                    tangent.settle(system, R::from_ticks(self.left));
+                }
             }
             if passes == budget {
                 let unfinished = R::splat(0.5).less(R::from_ticks(self.left));
@@ -96,7 +96,7 @@ mod tests {
         let control = Control::new(&Scheme::Radau.into());
         let mut peaks = Peaks::start(orbit);
         let mut scratch = vec![ModeStep::empty(); orbit.modes.len()];
-        orbit.part_of_period(system, &control, &mut peaks, None, &mut scratch, 0, parts);
+        orbit.part_of_period(system, &control, &mut peaks, &mut [], &mut scratch, 0, parts);
     }
 
     /// In f32 a period may be divided into parts of a single tick.

@@ -1,4 +1,4 @@
-//! The tangent vector of the full state.
+//! Tangent vectors of the full state.
 //!
 //! Owns its norm and how it is carried over accepted steps; the derivative of a step is [`radau`]'s. Twin:
 //! `shaders/dynamics/adaptive/tangent.wgsl`.
@@ -7,7 +7,7 @@ use super::accepted::advanced;
 use super::{Orbit, Scratch, System};
 use crate::dynamics::matrix::at_nodes;
 use crate::dynamics::radau::{self, Heat, Memory, Perturbation, Start, Trial};
-use crate::dynamics::tangent::{COMFORTABLE, SMALLEST_SQUARE, Vector};
+use crate::dynamics::tangent::{COMFORTABLE, Growth, SMALLEST_SQUARE};
 use crate::lanes::{Mask, Real};
 
 /// A tangent vector of the full state.
@@ -23,34 +23,59 @@ pub struct Tangent<R> {
 }
 
 impl<R: Real> Tangent<R> {
-    /// The vector with the components (X, Y) and all others 0.
-    pub fn start(vector: Vector<R>, modes: usize) -> Self {
+    /// A vector at an orbit's present state. Its components are X, Y, and the perturbations of the pressures that the heat modes
+    /// cause; those that `components` leaves out are 0.
+    pub fn at(orbit: &Orbit<R>, system: &System<R>, components: &[R]) -> Self {
         let zero = R::splat(0.0);
-        let heat = Heat {
+        let component = |n: usize| components.get(n).copied().unwrap_or(zero);
+        let (x, y) = (component(0), component(1));
+        let mut heat = Heat {
             pressure: zero,
             falloff: zero,
         };
+        let modes = (0..system.rates.len())
+            .map(|m| {
+                let pressure = component(2 + m);
+                heat.pressure = heat.pressure + pressure;
+                heat.falloff = system.rates[m].mul_add(pressure, heat.falloff);
+                system.mode(m, pressure)
+            })
+            .collect();
+        // the speed of the shaft is not disturbed
+        let v = zero - y;
+        let start = orbit.begin(system);
+        let slope = system.rubbing.friction_slope(&start.piece, start.v);
+        let by_v = start.pressure * slope.mul_add(start.v, start.friction);
+        let by_pressure = start.contact * start.friction * start.v;
         Self {
             at: Perturbation {
-                x: vector.x,
-                // the speed of the shaft is not disturbed
-                v: zero - vector.y,
+                x,
+                v,
                 fit: zero,
                 heat,
-                flux: zero,
+                flux: by_v.mul_add(v, by_pressure * heat.pressure),
             },
-            modes: vec![zero; modes],
+            modes,
             log: zero,
             divergence: zero,
         }
     }
 
-    /// Its components (X, Y).
-    pub fn in_plane(&self) -> Vector<R> {
-        Vector {
-            x: self.at.x,
-            y: -self.at.v,
-        }
+    /// Its components, as in [`Tangent::at`], in one lane. What it was divided by since the last call of [`Tangent::normalise`] is
+    /// multiplied back in.
+    pub fn components(&self, system: &System<R>, lane: usize) -> impl Iterator<Item = f64> {
+        let factor = self.log.lane(lane).exp();
+        let pressures = self.modes.iter().zip(&system.weights);
+        let pressures = pressures.map(move |(mode, weight)| mode.lane(lane) * weight.lane(lane));
+        self.in_plane(lane)
+            .into_iter()
+            .chain(pressures)
+            .map(move |component| component * factor)
+    }
+
+    /// Its components (X, Y) in one lane.
+    pub fn in_plane(&self, lane: usize) -> [f64; 2] {
+        [self.at.x.lane(lane), -self.at.v.lane(lane)]
     }
 
     /// The integral of the divergence since the last call.
@@ -66,6 +91,36 @@ impl<R: Real> Tangent<R> {
         let norm = self.norm(system);
         self.divide(norm);
         std::mem::replace(&mut self.log, R::splat(0.0))
+    }
+
+    /// Orthonormalises the first vector and the second one, if there is one, by Gram and Schmidt (3.5), in the metric of [`Tangent::normalise`]. Returns the logarithms
+    /// of their growth since the last call; that of a second vector that does not exist is NaN.
+    #[inline(always)]
+    pub fn orthonormalise(vectors: &mut [Self], system: &System<R>) -> Growth<R> {
+        let [first, others @ ..] = vectors else {
+            panic!("no vector to normalise");
+        };
+        let mut growth = Growth {
+            first: first.normalise(system),
+            second: R::splat(f64::NAN),
+        };
+        if let [second, ..] = others {
+            let along = first.dot(second, system);
+            second.subtract(along, first);
+            growth.second = second.normalise(system);
+        }
+        growth
+    }
+
+    /// The scalar product of two vectors.
+    #[inline(always)]
+    fn dot(&self, other: &Self, system: &System<R>) -> R {
+        let mut dot = self.at.x.mul_add(other.at.x, self.at.v * other.at.v);
+        for (m, weight) in system.weights.iter().enumerate() {
+            let weight = system.lasts * *weight;
+            dot = (weight * self.modes[m]).mul_add(weight * other.modes[m], dot);
+        }
+        dot
     }
 
     /// Divides the vector by its norm before it overflows or vanishes: in lanes with a norm far from 1 and `left` not 0.
@@ -85,11 +140,7 @@ impl<R: Real> Tangent<R> {
 
     #[inline(always)]
     fn norm(&self, system: &System<R>) -> R {
-        let mut square = self.at.x.mul_add(self.at.x, self.at.v * self.at.v);
-        for (mode, weight) in self.modes.iter().zip(&system.weights) {
-            let pressure = system.lasts * *mode * *weight;
-            square = pressure.mul_add(pressure, square);
-        }
+        let square = self.dot(self, system);
         let smallest = R::splat(SMALLEST_SQUARE);
         R::select(square.less(smallest), smallest, square).sqrt()
     }
@@ -98,19 +149,17 @@ impl<R: Real> Tangent<R> {
     fn divide(&mut self, norm: R) {
         self.log = self.log + norm.ln();
         let inverse = R::splat(1.0) / norm;
-        let at = &mut self.at;
-        for value in [
-            &mut at.x,
-            &mut at.v,
-            &mut at.fit,
-            &mut at.heat.pressure,
-            &mut at.heat.falloff,
-            &mut at.flux,
-        ]
-        .into_iter()
-        .chain(&mut self.modes)
-        {
+        for value in self.at.parts().into_iter().chain(&mut self.modes) {
             *value = *value * inverse;
+        }
+    }
+
+    /// Subtracts a multiple of another vector.
+    #[inline(always)]
+    fn subtract(&mut self, factor: R, other: &mut Self) {
+        let parts = self.at.parts().into_iter().chain(&mut self.modes);
+        for (value, other) in parts.zip(other.at.parts().into_iter().chain(&mut other.modes)) {
+            *value = *value - factor * *other;
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::picture::layer::{Layer, Stroke};
 use crate::picture::panel::Panel;
 
 /// The exponents over the axis of a line, with error bands, and with marked values and their names. If there is a machine, they are
-/// in 1/s, converted with the machine of each point. With heat there is no second exponent, and an exponent of finite time has no
+/// in 1/s, converted with the machine of each point. With wear there is no second exponent, and an exponent of finite time has no
 /// error. A curve or band without any value on the line is neither drawn nor named.
 pub fn exponents(title: &str, line: &Line, marks: &[(&str, f64)], limits: Ends) -> Panel {
     let axis = &line.axis;

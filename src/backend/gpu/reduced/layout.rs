@@ -6,7 +6,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::super::layout::Access::{Read, ReadWrite, Uniform};
+use super::super::layout::Access::{Kept, Read, ReadWrite, Uniform};
 use super::super::layout::{Binding, Count, Span, last_states};
 use crate::backend::{Contact, EndState, Instance, Sums};
 use crate::dynamics::drive::DriveTable;
@@ -40,7 +40,7 @@ pub static BINDINGS: [Binding; 9] = [
     Binding::of::<[f32; 2]>(
         binding::LAST_STATES,
         "last_states",
-        ReadWrite,
+        Kept,
         Count::OfInstance(last_states),
     ),
 ];
@@ -169,6 +169,7 @@ impl From<(Orbit, Tangent)> for EndState {
             period: (orbit.period > 0).then_some(orbit.period),
             runaway_periods: (orbit.runaway_period > 0).then_some(orbit.runaway_period.into()),
             under_resolved: orbit.under_resolved > 0,
+            heated: None,
             contact: Contact::CONSTANT,
         }
     }

@@ -59,7 +59,7 @@ impl Model for Reduced {
             Stage::Measure if is_checked(slice.first) => (Kernel::Checked, 1),
             Stage::Measure => (Kernel::Tangent, alike(slice.first).min(slice.periods)),
             Stage::Check => (Kernel::Checked, slice.periods),
-            Stage::Align => (Kernel::Tangent, slice.periods),
+            Stage::Align | Stage::Linearise => (Kernel::Tangent, slice.periods),
         }
     }
 
@@ -69,7 +69,8 @@ impl Model for Reduced {
         let orbits: Vec<Orbit> = instances.iter().map(Orbit::start).collect();
         let vectors = instances.iter().map(|instance| instance.tangent);
         let tangents: Vec<Tangent> = vectors.map(|vector| vector.map(|value| value as f32)).collect();
-        self.write_run(context, buffers, settings, instances.len());
+        buffers.write(context, binding::RUN, &[Run::new(settings, instances.len() as u32)]);
+        buffers.write(context, binding::BIRKHOFF_WEIGHTS, &birkhoff_weights(settings));
         if settings.integration.scheme == Scheme::Rk4 {
             buffers.write(context, binding::DRIVE, &layout::drive_entries(self.steps_per_period));
         }
@@ -77,11 +78,6 @@ impl Model for Reduced {
         buffers.write(context, binding::ORBITS, &orbits);
         buffers.write(context, binding::TANGENTS, &tangents);
         buffers.clear(context, &[binding::TOTALS]);
-    }
-
-    fn write_run(&self, context: &GpuContext, buffers: &Buffers, settings: &Settings, instances: usize) {
-        buffers.write(context, binding::RUN, &[Run::new(settings, instances as u32)]);
-        buffers.write(context, binding::BIRKHOFF_WEIGHTS, &birkhoff_weights(settings));
     }
 
     fn take_sums(&self, context: &GpuContext, buffers: &Buffers, count: usize) -> Result<Vec<Sums>, BackendError> {

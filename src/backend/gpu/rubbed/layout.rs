@@ -5,14 +5,16 @@
 //! dispatches.
 
 use bytemuck::{Pod, Zeroable};
+use nalgebra::DMatrix;
 
-use super::super::layout::Access::{Read, ReadWrite, Uniform};
+use super::super::layout::Access::{Kept, Read, ReadWrite, Uniform};
 use super::super::layout::{Binding, Count, Span, last_states, slots};
-use crate::backend::{Contact, EndState, Instance, Sums};
-use crate::dynamics::adaptive::{self, Control, System, Tangent};
+use crate::backend::rubbed::Begun;
+use crate::backend::{Contact, EndState, HeatedState, Instance, Sums};
+use crate::dynamics::adaptive::{Control, System};
 use crate::dynamics::stroboscope;
-use crate::dynamics::tangent::Vector;
 use crate::experiment::Settings;
+use crate::lanes::Real;
 use crate::model::rubbing::HeatModes;
 use crate::parameters::{Parameter, ParameterSet};
 
@@ -45,7 +47,7 @@ pub static BINDINGS: [Binding; 9] = [
     Binding::of::<[f32; 2]>(
         binding::LAST_STATES,
         "last_states",
-        ReadWrite,
+        Kept,
         Count::OfInstance(last_states),
     ),
     Binding::of::<Orbit>(binding::ORBITS, "orbits", ReadWrite, Count::Instances),
@@ -195,19 +197,18 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// The instance at the beginning of its run.
-    pub fn start(instance: &Instance, heat: &HeatModes) -> Self {
+    /// The instance as its run begins or goes on, its heat modes, and those of its tangent vector.
+    pub fn begun(instance: &Instance, heat: &HeatModes) -> (Self, [Vec<f32>; 2]) {
         let system = System::<f32>::new(|parameter| instance.parameters[parameter] as f32, |_| heat);
-        let [x, y] = instance.state.map(|value| value as f32);
-        let orbit = adaptive::Orbit::start(&system, x, y);
-        let peaks = adaptive::Peaks::start(&orbit);
-        let tangent = Tangent::<f32>::start(Vector::from_lanes(|_| instance.tangent), 0).at;
-        Self {
+        let Begun { orbit, peaks, tangents } = Begun::new(&system, 1, |_| instance);
+        let [tangent] = <[_; 1]>::try_from(tangents).expect("one vector was asked for");
+        let (at, [pressure, falloff]) = (tangent.at, orbit.heat_sums());
+        let begun = Self {
             x: orbit.x,
             v: orbit.v,
             fit: orbit.fit,
-            heat_pressure: 0.0,
-            heat_falloff: 0.0,
+            heat_pressure: pressure,
+            heat_falloff: falloff,
             contact: orbit.contact,
             sine: 0.0,
             cosine: 1.0,
@@ -219,12 +220,12 @@ impl Orbit {
             guess_1: orbit.guess[1],
             guess_2: orbit.guess[2],
             since: orbit.since,
-            tangent_x: tangent.x,
-            tangent_v: tangent.v,
-            tangent_fit: tangent.fit,
-            tangent_pressure: tangent.heat.pressure,
-            tangent_falloff: tangent.heat.falloff,
-            tangent_flux: tangent.flux,
+            tangent_x: at.x,
+            tangent_v: at.v,
+            tangent_fit: at.fit,
+            tangent_pressure: at.heat.pressure,
+            tangent_falloff: at.heat.falloff,
+            tangent_flux: at.flux,
             peak_pressure: peaks.pressure,
             peak_periods: peaks.pressure_time[0],
             peak_time: peaks.pressure_time[1],
@@ -238,15 +239,35 @@ impl Orbit {
             runaway: 0,
             given_up_period: 0,
             runaway_phase: 1.0,
-        }
+        };
+        (begun, [orbit.modes, tangent.modes])
     }
 
-    /// The end state of the instance with the parameters `set`.
-    pub fn end_state(&self, set: &ParameterSet) -> EndState {
+    /// The end state of the instance with the parameters `set`, given the pressures that its heat modes cause, and those of the modes
+    /// of its tangent vector.
+    pub fn end_state(&self, set: &ParameterSet, [pressures, tangent]: [Vec<f64>; 2]) -> EndState {
         let tau = |periods: f32, time: f32| f64::from(periods) * set.forcing_period() + f64::from(time);
         let ramp = set[Parameter::RampRate] * tau(self.periods, 0.0).powi(2);
         // without a ramp the fit is 1 from the start
         let fit = if ramp.is_finite() { -(-ramp).exp_m1() } else { 1.0 };
+        let contact = Contact {
+            lost: (self.lost_periods >= 0.0).then(|| tau(self.lost_periods, self.lost_time)),
+            peak_pressure: self.peak_pressure.into(),
+            peak_pressure_time: tau(self.peak_periods, self.peak_time),
+            final_wear: fit - f64::from(self.fit),
+            peak_temperature: self.peak_temperature.into(),
+        };
+        let heated = set.is_heated().then(|| {
+            let in_plane = [self.tangent_x.into(), -f64::from(self.tangent_v)];
+            Box::new(HeatedState {
+                pressures,
+                vectors: DMatrix::from_iterator(2 + tangent.len(), 1, in_plane.into_iter().chain(tangent)),
+                periods: self.periods.into(),
+                is_in_contact: self.contact > 0.0,
+                contact,
+                step: f64::from(self.step) / f32::PERIOD_TICKS,
+            })
+        });
         EndState {
             x: self.x.into(),
             // the drive's phase is 0
@@ -258,13 +279,8 @@ impl Orbit {
             runaway_periods: (self.runaway > 0)
                 .then(|| f64::from(self.given_up_period) - 1.0 + f64::from(self.runaway_phase)),
             under_resolved: self.under_resolved > 0,
-            contact: Contact {
-                lost: (self.lost_periods >= 0.0).then(|| tau(self.lost_periods, self.lost_time)),
-                peak_pressure: self.peak_pressure.into(),
-                peak_pressure_time: tau(self.peak_periods, self.peak_time),
-                final_wear: fit - f64::from(self.fit),
-                peak_temperature: self.peak_temperature.into(),
-            },
+            heated,
+            contact,
         }
     }
 }

@@ -71,7 +71,7 @@ impl Model for Rubbed {
     fn kernel(&self, slice: &Slice) -> (Kernel, u32) {
         let kernel = match slice.stage {
             Stage::Transient | Stage::Watch => Kernel::Plain,
-            Stage::Align | Stage::Measure | Stage::Check => Kernel::Tangent,
+            Stage::Align | Stage::Measure | Stage::Check | Stage::Linearise => Kernel::Tangent,
         };
         (kernel, slice.periods)
     }
@@ -80,33 +80,31 @@ impl Model for Rubbed {
         let slots = slots(self.modes) as usize;
         let mut heat_modes = vec![HeatMode { rate: 0.0, weight: 0.0 }; slots * instances.len()];
         let spectra = Spectra::new(&self.points, self.modes as usize);
+        let mut mode_states = vec![0.0; 2 * slots * instances.len()];
         let (parameters, orbits): (Vec<_>, Vec<_>) = instances
             .iter()
             .enumerate()
             .map(|(index, instance)| {
                 let heat = spectra.heat_modes(&instance.parameters);
+                let (orbit, [modes, tangent]) = Orbit::begun(instance, &heat);
                 for slot in 0..slots {
                     heat_modes[slot * instances.len() + index] = HeatMode {
                         rate: heat.rates[slot] as f32,
                         weight: heat.weights[slot] as f32,
                     };
+                    mode_states[slot * instances.len() + index] = modes[slot];
+                    mode_states[(slots + slot) * instances.len() + index] = tangent[slot];
                 }
-                (
-                    Parameters::new(&instance.parameters, &heat),
-                    Orbit::start(instance, &heat),
-                )
+                (Parameters::new(&instance.parameters, &heat), orbit)
             })
             .unzip();
-        self.write_run(context, buffers, settings, instances.len());
+        buffers.write(context, binding::RUN, &[Run::new(settings, instances.len() as u32)]);
+        buffers.write(context, binding::BIRKHOFF_WEIGHTS, &birkhoff_weights(settings));
         buffers.write(context, binding::PARAMETERS, &parameters);
         buffers.write(context, binding::HEAT_MODES, &heat_modes);
         buffers.write(context, binding::ORBITS, &orbits);
-        buffers.clear(context, &[binding::MODE_STATES, binding::TOTALS]);
-    }
-
-    fn write_run(&self, context: &GpuContext, buffers: &Buffers, settings: &Settings, instances: usize) {
-        buffers.write(context, binding::RUN, &[Run::new(settings, instances as u32)]);
-        buffers.write(context, binding::BIRKHOFF_WEIGHTS, &birkhoff_weights(settings));
+        buffers.write(context, binding::MODE_STATES, &mode_states);
+        buffers.clear(context, &[binding::TOTALS]);
     }
 
     fn take_sums(&self, context: &GpuContext, buffers: &Buffers, count: usize) -> Result<Vec<Sums>, BackendError> {
@@ -116,7 +114,23 @@ impl Model for Rubbed {
 
     fn end_states(&self, context: &GpuContext, buffers: &Buffers, count: usize) -> Result<Vec<EndState>, BackendError> {
         let orbits: Vec<Orbit> = buffers.read(context, binding::ORBITS, count)?;
+        let slots = slots(self.modes) as usize;
         let ends = orbits.iter().zip(&self.points);
-        Ok(ends.map(|(orbit, set)| orbit.end_state(set)).collect())
+        if !self.points.iter().any(ParameterSet::is_heated) {
+            return Ok(ends
+                .map(|(orbit, set)| orbit.end_state(set, [Vec::new(), Vec::new()]))
+                .collect());
+        }
+        let modes: Vec<f32> = buffers.read(context, binding::MODE_STATES, 2 * slots * count)?;
+        let spectra = Spectra::new(&self.points, self.modes as usize);
+        let end = |(index, (orbit, set)): (usize, (&Orbit, &ParameterSet))| {
+            let weights = spectra.heat_modes(set).weights;
+            let pressures = [0, slots].map(|first| {
+                let pressure = |slot: usize| weights[slot] * f64::from(modes[(first + slot) * count + index]);
+                (0..slots).map(pressure).collect()
+            });
+            orbit.end_state(set, pressures)
+        };
+        Ok(ends.enumerate().map(end).collect())
     }
 }
