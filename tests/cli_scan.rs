@@ -531,3 +531,13 @@ fn a_disk_that_fills_up_in_the_middle_costs_nothing_that_is_finished() {
     assert!(output.status.success(), "{} {said}", text(&output.stderr));
     assert_same(&folder.path().join("full.zarr"), &folder.path().join("whole.zarr"));
 }
+
+/// As in a map, an axis goes over what the preset sets; a value of --set stays, and is refused.
+#[test]
+fn an_axis_of_a_scan_goes_over_the_preset() {
+    let folder = TempDir::new().unwrap();
+    let args = ["scan", "--preset", "paper", "--x", "gamma=0:1:3", "--dry-run"];
+    succeeds(&tribochaos(folder.path(), &args));
+    let set = tribochaos(folder.path(), &[&args[..], &["--set", "gamma=1"]].concat());
+    fails(&set, 2, "gamma is an axis and set to a value as well");
+}

@@ -308,7 +308,7 @@ pub fn written(command: &str, experiment: &Experiment, options: &impl Serialize)
 
 impl ExperimentArgs {
     /// Removes the preset's values of parameters that are axes from `request`. Values of --set stay, and are refused later.
-    fn leave_free(&self, axes: &[Coordinate], request: &mut Request) {
+    pub fn leave_free(&self, axes: &[Coordinate], request: &mut Request) {
         if self.preset.is_some() {
             for axis in axes {
                 if self.subject.set.iter().all(|(coordinate, _)| coordinate != axis) {

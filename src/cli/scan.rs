@@ -12,7 +12,7 @@ use super::progress::{self, Progress};
 use super::request::{self, ExperimentArgs};
 use super::stores;
 use super::{Failure, outputs, words};
-use crate::design::{Axis, Plan, Points, Sample, Side};
+use crate::design::{Axis, Coordinate, Plan, Points, Sample, Side};
 use crate::engine::{self, Backends, Part, Sink, choice};
 use crate::experiment::{Experiment, Request};
 use crate::measure::Quantity;
@@ -93,6 +93,7 @@ impl ScanArgs {
         let mut request = experiment.subject.base(None, &Request::default())?;
         self.set_design(&mut request)?;
         experiment.apply(&mut request)?;
+        experiment.leave_free(&varied(&request), &mut request);
         if let (None, None) = (&request.axes, &request.points) {
             return Err(Failure::Input(anyhow!(
                 "there is nothing to scan: give --x NAME=START:STOP:COUNT for each axis, --points FILE.CSV, or an experiment's file"
@@ -128,14 +129,20 @@ impl ScanArgs {
                 .collect::<Result<Vec<_>, _>>();
             (Some(axes.map_err(Failure::input)?), None)
         };
-        let varied = axes.iter().flatten().map(|axis| axis.coordinate);
-        for coordinate in varied.chain(points.iter().flat_map(|points| points.coordinates().iter().copied())) {
+        (request.axes, request.points) = (axes, points);
+        for coordinate in varied(request) {
             // what becomes free loses the value that it had in the file
             request.set.remove(coordinate.name());
         }
-        (request.axes, request.points) = (axes, points);
         Ok(())
     }
+}
+
+/// What varies in the design of a request.
+fn varied(request: &Request) -> Vec<Coordinate> {
+    let axes = request.axes.iter().flatten().map(|axis| axis.coordinate);
+    let points = request.points.iter().flat_map(Points::coordinates);
+    axes.chain(points.copied()).collect()
 }
 
 /// A scan before it is run.

@@ -359,20 +359,23 @@ pub fn solve<R: Real>(
         }
         trial.newton = inverse(&jacobian);
         correction = apply(&trial.newton, residual);
-        v = at_nodes!(i => v[i] - correction[i]);
+        let corrected = at_nodes!(i => v[i] - correction[i]);
         let [first, second, last] = at_nodes!(i => {
-            let scale = v[i].abs().max(rubbing.layer);
+            let scale = corrected[i].abs().max(rubbing.layer);
             correction[i].abs().less(closeness * scale)
         });
         trial.converged = first.and(second).and(last);
+        trial.v = corrected;
         if trial.converged.all() {
             break;
         }
+        // a lane that has converged waits where it is, so that it does not depend on the others
+        v = at_nodes!(i => R::select(trial.converged, v[i], corrected[i]));
     }
     // the quantities that depend on v were evaluated before the last correction: they follow it here up to its square
     let by_v = apply(&trial.by_v, correction);
     let travelled = apply(&weights, correction);
-    trial.v = v;
+    let v = trial.v;
     trial.x = at_nodes!(i => trial.x[i] + travelled[i]);
     trial.pressure = at_nodes!(i => trial.pressure[i] - by_v[i]);
     trial.friction = at_nodes!(i => trial.friction[i] - trial.slope[i] * correction[i]);

@@ -395,3 +395,34 @@ fn heat_below_the_smallest_number_of_a_lane_is_none() {
         assert_eq!(measured[2].class, Some(Class::Chaotic));
     }
 }
+
+/// Lanes work side by side, and each has its own clock and its own steps.
+#[test]
+fn a_heated_point_does_not_depend_on_its_neighbours() {
+    let points = grid(&[3.1, 3.7, 4.3, 4.9, 5.6], &[0.002, 0.05, 1.87]);
+    let sampling = Sampling {
+        transient_periods: 60,
+        periods: 32,
+        ..Sampling::default()
+    };
+    for precision in [Precision::F64, Precision::F32] {
+        for decide_early in [true, false] {
+            let settings = Settings {
+                sampling: Sampling {
+                    decide_early,
+                    ..sampling
+                },
+                ..Settings::from(Scheme::Radau)
+            };
+            let mut backend = CpuBackend::new(precision);
+            let mut text = |points: &[ParameterSet]| -> Vec<String> {
+                let instances = Instance::starts(points);
+                let measured = measure_batch(&mut backend, &settings, &instances, &mut |_| ControlFlow::Continue(()));
+                measured.unwrap().unwrap().iter().map(|m| format!("{m:?}")).collect()
+            };
+            let together = text(&points);
+            let apart: Vec<String> = points.iter().flat_map(|&point| text(&[point])).collect();
+            assert_eq!(together, apart, "{precision:?}");
+        }
+    }
+}

@@ -83,15 +83,17 @@ impl<R: Real> Orbit<R> {
             R::select(shorter.less(one), shorter, longer).min(R::splat(0.9)),
             R::splat(0.25),
         );
-        // a trial that has converged gives the guess for the next one, even if it is not accepted; any other is forgotten
+        // a trial that has converged gives the guess for the next one, even if it is not accepted; any other is forgotten. A lane that
+        // waits keeps its guess, so that it does not depend on the others.
         let parabola = radau::parabola(trial.acceleration);
         let inverse_h = one / h;
-        self.guess = [
+        let guess = [
             R::select(trial.converged, parabola[0], start.acceleration),
             R::select(trial.converged, parabola[1] * inverse_h, zero),
             R::select(trial.converged, parabola[2] * inverse_h * inverse_h, zero),
         ];
-        self.since = R::select(accepted, h, zero);
+        self.guess = at_nodes!(k => R::select(running, guess[k], self.guess[k]));
+        self.since = R::select(running, R::select(accepted, h, zero), self.since);
 
         let alive = peaks.lost[0].less(zero).or(zero.less(system.lasts));
         for tangent in tangents {
