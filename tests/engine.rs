@@ -356,9 +356,11 @@ fn a_run_on_two_devices_that_is_broken_off_keeps_what_is_finished() {
     })
     .unwrap_err();
     assert!(matches!(error.cause, Cause::Stopped));
-    assert_eq!((error.finished, error.units), (4, 30));
+    // the other device may have ended a unit at the same moment
+    assert!((4..=5).contains(&error.finished) && error.units == 30, "{error:?}");
     let results = table.into_results();
-    assert_eq!((0..960).filter(|&index| results.is_computed(index)).count(), 4 * 32);
+    let computed = (0..960).filter(|&index| results.is_computed(index)).count();
+    assert_eq!(computed, error.finished * 32);
 }
 
 /// A sink in which another process finishes each unit between the first look at it and the claim.
