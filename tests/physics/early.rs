@@ -32,7 +32,7 @@ fn is_decided_early(m: &Measurement) -> bool {
 }
 
 #[test]
-fn classes_are_those_of_runs_at_full_length_for_a_tenth_of_their_work() {
+fn classes_are_those_of_runs_at_full_length_for_an_eighth_of_their_work() {
     let points = map_points(1);
     for precision in PRECISIONS {
         let full = measure(precision, &full_length(), &points);
@@ -53,7 +53,7 @@ fn classes_are_those_of_runs_at_full_length_for_a_tenth_of_their_work() {
         let periods = |measured: &[Measurement]| measured.iter().map(|m| m.integrated_periods as usize).sum::<usize>();
         println!("{:.4} of the work", share(periods(&early), periods(&full)));
         assert!(
-            10 * periods(&early) < periods(&full),
+            8 * periods(&early) < periods(&full),
             "{precision:?}: {}",
             periods(&early)
         );
