@@ -152,6 +152,7 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
     ("dynamics/radau", "hermite_slope", "the shader writes its constants out"),
     ("dynamics/adaptive/accepted", "start", "the host starts peaks"),
     ("dynamics/adaptive", "mode", "the host converts pressures and modes"),
+    ("dynamics/adaptive", "heat", "the host starts orbits and tangents"),
     ("dynamics/adaptive", "mode_count", "the shader has a constant for it"),
     ("dynamics/adaptive/tangent", "at", "the host starts tangents"),
     ("dynamics/adaptive/tangent", "components", "the host reads the vectors"),

@@ -20,6 +20,7 @@ use std::f64::consts::{PI, TAU};
 pub use self::accepted::Peaks;
 pub use self::orbit::{Orbit, Scratch};
 pub use self::tangent::Tangent;
+use crate::dynamics::radau::Heat;
 use crate::experiment::Integration;
 use crate::lanes::Real;
 use crate::model::rubbing::{HeatModes, Rubbing};
@@ -126,6 +127,19 @@ impl<R: Real> System<R> {
     /// Number of heat modes.
     pub fn mode_count(&self) -> usize {
         self.rates.len()
+    }
+
+    /// The sums over the heat modes, given the pressure that each causes.
+    pub(super) fn heat(&self, pressures: impl Iterator<Item = R>) -> Heat<R> {
+        let zero = R::splat(0.0);
+        let none = Heat {
+            pressure: zero,
+            falloff: zero,
+        };
+        pressures.zip(&self.rates).fold(none, |sum, (pressure, rate)| Heat {
+            pressure: sum.pressure + pressure,
+            falloff: rate.mul_add(pressure, sum.falloff),
+        })
     }
 
     /// The heat mode `m` that causes this pressure; 0 where the mode causes none.

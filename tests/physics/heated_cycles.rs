@@ -359,10 +359,10 @@ fn states_that_a_heated_motion_cannot_go_on_from_are_refused() {
     let (end, _) = after(&settings, &start, Stage::Align, 2);
     let goes_on = start.at(&end);
     let mut backend = CpuBackend::new(Precision::F64);
+    let mut said = Vec::new();
     let mut is_taken = |instance: &Instance, modes| {
-        backend
-            .load(&self::settings(1e-4, modes), std::slice::from_ref(instance))
-            .is_ok()
+        let loaded = backend.load(&self::settings(1e-4, modes), std::slice::from_ref(instance));
+        loaded.map_err(|error| said.push(error.to_string())).is_ok()
     };
     assert!(is_taken(&goes_on, 8) && !is_taken(&goes_on, 9));
     let changed = |change: &dyn Fn(&mut Instance)| {
@@ -378,6 +378,14 @@ fn states_that_a_heated_motion_cannot_go_on_from_are_refused() {
         |vectors: DMatrix<f64>| changed(&|instance| instance.heated.as_mut().unwrap().vectors = vectors.clone());
     assert!(!is_taken(&vectors(DMatrix::zeros(11, 0)), 8) && !is_taken(&vectors(DMatrix::zeros(10, 2)), 8));
     assert!(is_taken(&vectors(DMatrix::identity(11, 11)), 8));
+    let number = "with the number of heat modes with which it began";
+    for (said, expected) in said
+        .iter()
+        .zip([number, "without wear goes on with heat modes", number, number])
+    {
+        assert!(said.contains(expected), "{said}");
+    }
+    assert_eq!(said.len(), 4);
 }
 
 /// A heat so small that f32 knows none of it changes nothing, and is no error.

@@ -89,16 +89,7 @@ impl<R: Real> Orbit<R> {
     /// `contact` is 1 in contact, 0 in the gap.
     #[must_use]
     pub fn resumed(mut self, system: &System<R>, periods: R, modes: Vec<R>, contact: R, step: R) -> Self {
-        let zero = R::splat(0.0);
-        let mut heat = Heat {
-            pressure: zero,
-            falloff: zero,
-        };
-        for (m, mode) in modes.iter().enumerate() {
-            let pressure = system.weights[m] * *mode;
-            heat.pressure = heat.pressure + pressure;
-            heat.falloff = system.rates[m].mul_add(pressure, heat.falloff);
-        }
+        let heat = system.heat(modes.iter().zip(&system.weights).map(|(mode, weight)| *weight * *mode));
         (self.periods, self.modes, self.heat) = (periods, modes, heat);
         (self.contact, self.step) = (contact, step);
         self.fit = system.fit(self.time(system));

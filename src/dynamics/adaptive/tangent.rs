@@ -29,18 +29,9 @@ impl<R: Real> Tangent<R> {
         let zero = R::splat(0.0);
         let component = |n: usize| components.get(n).copied().unwrap_or(zero);
         let (x, y) = (component(0), component(1));
-        let mut heat = Heat {
-            pressure: zero,
-            falloff: zero,
-        };
-        let modes = (0..system.rates.len())
-            .map(|m| {
-                let pressure = component(2 + m);
-                heat.pressure = heat.pressure + pressure;
-                heat.falloff = system.rates[m].mul_add(pressure, heat.falloff);
-                system.mode(m, pressure)
-            })
-            .collect();
+        let modes = 0..system.mode_count();
+        let heat = system.heat(modes.clone().map(|m| component(2 + m)));
+        let modes = modes.map(|m| system.mode(m, component(2 + m))).collect();
         // the speed of the shaft is not disturbed
         let v = zero - y;
         let start = orbit.begin(system);
@@ -93,8 +84,9 @@ impl<R: Real> Tangent<R> {
         std::mem::replace(&mut self.log, R::splat(0.0))
     }
 
-    /// Orthonormalises the first vector and the second one, if there is one, by Gram and Schmidt (3.5), in the metric of [`Tangent::normalise`]. Returns the logarithms
-    /// of their growth since the last call; that of a second vector that does not exist is NaN.
+    /// Orthonormalises the first vector, and the second one if there is one, by Gram and Schmidt (3.5). The metric is that of
+    /// [`Tangent::normalise`]. Returns the logarithms of their growth since the last call. Without a second vector, the second is
+    /// NaN.
     #[inline(always)]
     pub fn orthonormalise(vectors: &mut [Self], system: &System<R>) -> Growth<R> {
         let [first, others @ ..] = vectors else {

@@ -249,14 +249,7 @@ impl Orbit {
         let errors = changes.map(|change| change + missed);
         let moved = distance(&last.state, &last.end);
         self.has_doubled = multipliers.leading() < -1.0;
-        let class = if exponents[0] + 3.0 * errors[0] < 0.0 && self.newton.is_reached() {
-            Class::Regular
-        } else if exponents[0] - 3.0 * errors[0] > 0.0 && self.newton.moved() == 0.0 {
-            // an orbit that returns to exactly the same numbers never leaves
-            Class::Unstable
-        } else {
-            return None;
-        };
+        let class = self.newton.class(exponents[0], errors[0])?;
         let rounding = self.rounding(backend) * (1.0 + last.end[0].abs() + last.end[1].abs());
         let period = least_period(
             &self.states,

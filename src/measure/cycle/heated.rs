@@ -130,8 +130,6 @@ struct Orbit {
     fine: Newton<Monodromy>,
     /// The state in which the next turn begins.
     state: Vec<f64>,
-    /// The last turn along the cycle.
-    along: Along,
     has_doubled: bool,
     measurement: Option<Measurement>,
 }
@@ -181,11 +179,6 @@ impl Orbit {
             fine: Newton::new(CONVERGED, NEAR.max(fine.integration.tolerance)),
             same: rough.sampling.period_tolerance,
             state: state.collect(),
-            along: Along {
-                states: Vec::new(),
-                extremes: [f64::NAN; 2],
-                contact: heated.contact,
-            },
             has_doubled: false,
             measurement: None,
             instance: instance.clone(),
@@ -216,7 +209,7 @@ impl Orbit {
     }
 
     /// Ends a turn of a search.
-    fn end_turn(&mut self, monodromy: Monodromy, along: Along) -> Phase {
+    fn end_turn(&mut self, monodromy: Monodromy, along: &Along) -> Phase {
         let [first, .., last] = along.states.as_slice() else {
             unreachable!("a turn has a first and a last state");
         };
@@ -225,7 +218,6 @@ impl Orbit {
             _ => &mut self.fine,
         };
         let next = newton.end_turn(first.clone(), last.clone(), monodromy);
-        self.along = along;
         match (next, self.phase) {
             (Next::From(state), phase) => {
                 self.state = state;
@@ -236,15 +228,16 @@ impl Orbit {
                 Phase::Fine
             }
             (Next::Found(_), _) => {
-                self.measurement = self.measured();
+                self.measurement = self.measured(along);
                 Phase::Over
             }
             (Next::Lost, _) => Phase::Over,
         }
     }
 
-    /// The measurement of the cycle that was found. None if it is not certain that the cycle attracts and that the orbit goes there.
-    fn measured(&mut self) -> Option<Measurement> {
+    /// The measurement of the cycle that was found, given its last turn. None if it is not certain that the cycle attracts and that
+    /// the orbit goes there.
+    fn measured(&mut self, along: &Along) -> Option<Measurement> {
         let [before, last] = self.fine.last_two()?;
         let [_, rough] = self.rough.last_two()?;
         let parameters = &self.instance.parameters;
@@ -258,19 +251,12 @@ impl Orbit {
         let errors = [0, 1].map(|i| off(&before, i) * closer + shares[i]);
         let moved = distance(&last.state, &last.end);
         self.has_doubled = multipliers.leading() < -1.0;
-        let class = if exponents[0] + 3.0 * errors[0] < 0.0 && self.rough.is_reached() {
-            Class::Regular
-        } else if exponents[0] - 3.0 * errors[0] > 0.0 && self.rough.moved() == 0.0 {
-            // an orbit that returns to exactly the same numbers never leaves
-            Class::Unstable
-        } else {
-            return None;
-        };
+        let class = self.rough.class(exponents[0], errors[0])?;
         let Along {
             states,
             extremes,
             contact,
-        } = &self.along;
+        } = along;
         let measurement = Measurement {
             class: Some(class),
             lyapunov: exponents[0],
@@ -359,7 +345,7 @@ impl<'a> Way<'a> {
         search.phase = if self.is_lost || !may_be_cycle {
             Phase::Over
         } else {
-            search.end_turn(Monodromy::new(self.periods), self.along)
+            search.end_turn(Monodromy::new(self.periods), &self.along)
         };
     }
 }

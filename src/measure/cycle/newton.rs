@@ -3,6 +3,7 @@
 //! Owns when a cycle is found, and whether the orbit goes there; integrates nothing.
 
 use crate::dynamics::floquet::Linearisation;
+use crate::measure::Class;
 
 /// Most turns of a search.
 pub const ROUNDS: u32 = 6;
@@ -126,8 +127,21 @@ impl<L: Linearisation> Newton<L> {
         self.from.as_ref().map_or(f64::NAN, |[state, end]| distance(state, end))
     }
 
+    /// The class of the orbit, given the maximal exponent of the cycle that was found, and its error. None if it is not certain
+    /// that the cycle attracts and that the orbit goes there.
+    pub fn class(&self, exponent: f64, error: f64) -> Option<Class> {
+        if exponent + 3.0 * error < 0.0 && self.is_reached() {
+            Some(Class::Regular)
+        } else if exponent - 3.0 * error > 0.0 && self.moved() == 0.0 {
+            // an orbit that returns to exactly the same numbers never leaves
+            Some(Class::Unstable)
+        } else {
+            None
+        }
+    }
+
     /// Whether the orbit goes to the cycle that was found.
-    pub fn is_reached(&self) -> bool {
+    fn is_reached(&self) -> bool {
         let (Some([state, end]), Some(last)) = (&self.from, &self.last) else {
             return false;
         };
