@@ -35,7 +35,7 @@ impl Cost {
 }
 
 /// Times a run of `settings.sampling.transient_periods` of the motion alone and `sampling.periods` with tangent vectors, at full
-/// length.
+/// length, without the search for cycles at its end.
 ///
 /// # Errors
 /// If the backend fails.
@@ -50,18 +50,24 @@ pub fn cost(backend: &mut dyn Backend, settings: &Settings, points: &[ParameterS
     };
     let per_instance_period =
         |time: Duration, periods: u32| time.as_nanos() as f64 / (f64::from(periods) * points.len() as f64);
-    let transient = u64::from(settings.sampling.transient_periods) * points.len() as u64;
+    let instance_periods = |periods: u32| u64::from(periods) * points.len() as u64;
+    let transient = instance_periods(settings.sampling.transient_periods);
+    let all = transient + instance_periods(settings.sampling.periods);
     let instances = Instance::starts(points);
-    let (mut done, mut halfway) = (0, Duration::ZERO);
+    // the time is taken where the last period ends: the search for cycles, which may follow, takes as long after few periods as
+    // after many
+    let (mut done, mut halfway, mut whole) = (0, Duration::ZERO, Duration::ZERO);
     let started = Instant::now();
     measure_batch(backend, &settings, &instances, &mut |instance_periods| {
         done += instance_periods;
         if done == transient {
             halfway = started.elapsed();
         }
+        if done == all {
+            whole = started.elapsed();
+        }
         ControlFlow::Continue(())
     })?;
-    let whole = started.elapsed();
     Ok(Cost {
         motion_alone: per_instance_period(halfway, settings.sampling.transient_periods),
         with_vectors: per_instance_period(whole.saturating_sub(halfway), settings.sampling.periods),
