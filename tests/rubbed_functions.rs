@@ -72,7 +72,7 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
 fn crossings_and_maxima_of_cubics_agree() {
     const PROBE: &str = "
 struct Sample { start: f32, first: f32, second: f32, last: f32, level: f32 }
-struct Probe { crossing: f32, value: f32, s: f32 }
+struct Probe { crossing: f32, value: f32, s: f32, beyond: f32 }
 @group(0) @binding(10) var<storage, read> samples: array<Sample>;
 @group(0) @binding(11) var<storage, read_write> probes: array<Probe>;
 
@@ -81,7 +81,8 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
     let sample = samples[thread.x];
     let cubic = cubic_new(sample.start, vec3(sample.first, sample.second, sample.last));
     let greatest = maximum(cubic);
-    probes[thread.x] = Probe(crossing(cubic, sample.level, NODE_0, NODE_1), greatest.value, greatest.s);
+    let within = crossing(cubic, sample.level, NODE_0, NODE_1);
+    probes[thread.x] = Probe(within, greatest.value, greatest.s, beyond(negative(cubic), -sample.last - 0.4));
 }
 ";
     let mut noise = Noise(3);
@@ -100,10 +101,10 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
             ]
         })
         .collect();
-    let Some(probes) = probed::<5, 3>(PROBE, &samples) else {
+    let Some(probes) = probed::<5, 4>(PROBE, &samples) else {
         return;
     };
-    for (i, (sample, &[crossing, value, s])) in samples.iter().zip(&probes).enumerate() {
+    for (i, (sample, &[crossing, value, s, beyond])) in samples.iter().zip(&probes).enumerate() {
         let [start, first, second, last, level] = sample.map(f64::from);
         let cubic = Cubic::new(start, [first, second, last]);
         if i % 2 == 0 {
@@ -119,6 +120,15 @@ fn probe(@builtin(global_invocation_id) thread: vec3<u32>) {
             "{sample:?}: {value} {greatest}"
         );
         assert!((cubic.at(f64::from(s)) - greatest).abs() < 1e-4, "{sample:?}: {s}");
+        // where the parabola only just comes to the level, rounding decides whether it does
+        let foreseen = |shift: f64| cubic.negative().beyond(-last - 0.4 + shift);
+        let (expected, spread) = (foreseen(0.0), (foreseen(-1e-5) - foreseen(1e-5)).abs());
+        // a time that is many steps ahead does not matter
+        let near = |time: f64| time.min(20.0);
+        assert!(
+            (near(f64::from(beyond)) - near(expected)).abs() < 1e-4 * near(expected) + spread,
+            "{sample:?}: {beyond} {expected}"
+        );
     }
 }
 

@@ -69,13 +69,20 @@ fn wear_and_heat_are_those_of_f64_over_the_whole_range() {
     };
     let instances: Vec<_> = (0..=24).map(|i| preset(0.5 * f64::from(i), 0.01)).collect();
     let gpu = measure(&mut GpuBackend::new(context), &settings, &instances);
-    let cpu = measure(&mut CpuBackend::new(Precision::F64), &settings, &instances);
+    let finely = Settings {
+        integration: Integration {
+            tolerance: 1e-6,
+            ..settings.integration
+        },
+        ..settings
+    };
+    let cpu = measure(&mut CpuBackend::new(Precision::F64), &finely, &instances);
     for (set, (gpu, cpu)) in instances.iter().zip(gpu.iter().zip(&cpu)) {
         let zeta_k = set[Parameter::ZetaK];
         assert_eq!((gpu.status, cpu.status), (Status::Ok, Status::Ok), "{zeta_k}");
         let (a, b) = (&gpu.contact, &cpu.contact);
         assert_eq!(a.lost.is_some(), b.lost.is_some(), "{zeta_k}");
-        // some thirty periods of chaotic transient magnify what rounding differs by
+        // some thirty periods of chaotic transient magnify the errors of rounding and of the steps
         for (what, a, b, part) in [
             ("contact time", a.lost.unwrap_or(1.0), b.lost.unwrap_or(1.0), 1e-4),
             ("wear", a.final_wear, b.final_wear, 1e-4),
@@ -126,7 +133,14 @@ fn the_figures_of_section_5_come_out() {
 #[test]
 fn short_trajectories_are_those_of_the_cpu() {
     let Some(context) = gpu_context::open() else { return };
-    let settings = settings();
+    // at the usual tolerance, rounding decides where steps end, and a rare point differs by as much as its steps are wrong
+    let settings = Settings {
+        integration: Integration {
+            tolerance: 1e-5,
+            ..settings().integration
+        },
+        ..settings()
+    };
     // wear and none, a ramp and none, a thin layer, heat alone, and neither heat nor wear
     let points: Vec<_> = (0..128)
         .map(|i| {

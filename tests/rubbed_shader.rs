@@ -85,6 +85,7 @@ fn rust_layouts() -> BTreeMap<&'static str, Layout> {
             guess_0,
             guess_1,
             guess_2,
+            guess_3,
             since,
             tangent_x,
             tangent_v,

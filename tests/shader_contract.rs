@@ -142,6 +142,7 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
     ("model/rubbing", "heat_modes", "the host finds the modes"),
     ("dynamics/decay", "single", "shaders are in single precision"),
     ("dynamics/decay", "empty", "for arrays that are not filled yet"),
+    ("dynamics/dense", "coefficients", "WGSL has no private fields"),
     ("dynamics/matrix", "cofactor", "of an inverse that WGSL writes out"),
     ("dynamics/matrix", "dot", "built into WGSL"),
     ("dynamics/matrix", "apply", "built into WGSL"),

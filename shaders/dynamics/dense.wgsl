@@ -1,6 +1,9 @@
 // A quantity within a collocation step: the cubic through its values at the step's start and three nodes.
 // Twin: src/dynamics/dense.rs.
 
+// Stands for a time that does not come.
+const NEVER = 1e30;
+
 // value(s) = c0 + c1 s + c2 s^2 + c3 s^3 for s from 0 to 1, the step's start and end.
 struct Cubic {
     c0: f32,
@@ -31,6 +34,11 @@ fn cubic_new(start: f32, values: vec3<f32>) -> Cubic {
     );
 }
 
+// The cubic with all values negated.
+fn negative(cubic: Cubic) -> Cubic {
+    return Cubic(-cubic.c0, -cubic.c1, -cubic.c2, -cubic.c3);
+}
+
 fn cubic_at(cubic: Cubic, s: f32) -> f32 {
     return fma(fma(fma(cubic.c3, s, cubic.c2), s, cubic.c1), s, cubic.c0);
 }
@@ -49,6 +57,26 @@ fn crossing(cubic: Cubic, level: f32, first: f32, last: f32) -> f32 {
         s = clamp(s - (cubic_at(cubic, s) - level) / cubic_slope(cubic, s), first, last);
     }
     return s;
+}
+
+// The time after s = 1 at which the cubic's continuation comes to the value `level`, which it does not reach before: by the
+// parabola that touches the cubic there, and one step of Newton's method. NEVER if the parabola does not come to it.
+fn beyond(cubic: Cubic, level: f32) -> f32 {
+    let distance = level - (cubic.c0 + cubic.c1 + cubic.c2 + cubic.c3);
+    let rate = fma(3.0, cubic.c3, fma(2.0, cubic.c2, cubic.c1));
+    let discriminant = fma(rate, rate, 4.0 * fma(3.0, cubic.c3, cubic.c2) * distance);
+    // the first root after 1, without cancellation; the parabola has this slope there
+    let slope = sqrt(max(discriminant, 0.0));
+    let toward = rate + slope;
+    // the quotient is formed only if it is positive and not too large
+    let comes = abs(distance) < 0.5 * NEVER && 0.0 < discriminant && (0.0 < toward) == (0.0 < distance);
+    if (!(comes && abs(distance) < 1e9 * abs(toward))) {
+        return NEVER;
+    }
+    let time = 2.0 * distance / toward;
+    let third = cubic.c3 * time * time;
+    let corrected = time - third * time / fma(3.0, third, slope);
+    return clamp(corrected, 0.5 * time, 1.5 * time);
 }
 
 // Whether the cubic surely stays below `level` between s = 0 and 1: true if its Bezier points do.

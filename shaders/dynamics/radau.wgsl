@@ -222,7 +222,7 @@ fn inner_heat_new(rubbing: Rubbing, h: f32, start: Heat, start_flux: f32, memory
 }
 
 // Solves a trial. `guess` are accelerations at the nodes to begin with. `closeness` is the largest allowed last correction of
-// Newton's method, relative to the larger of |v| and the friction layer's half-width.
+// Newton's method, relative to the larger of |v| and the friction layer's width.
 fn solve(rubbing: Rubbing, start: Start, drive: Drive, memory: Memory, guess: vec3<f32>, closeness: f32) -> Trial {
     let h = drive.h;
     let heat = inner_heat_new(rubbing, h, start.heat, start.flux, memory);

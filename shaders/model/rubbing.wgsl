@@ -25,7 +25,7 @@ struct Rubbing {
     ramp_rate: f32,
     // Half-width of the friction layer; NO_LAYER where there is no dry friction.
     epsilon_0: f32,
-    // The same, but at most 1: the unit of v in the layer.
+    // Width of the friction layer, but at most 1: the unit of v in the layer.
     layer: f32,
     friction: Friction,
 }
@@ -47,7 +47,7 @@ fn rubbing_new(value: Parameters) -> Rubbing {
         2.0 * value.gamma,
         value.ramp_rate,
         epsilon_0,
-        min(epsilon_0, 1.0),
+        min(2.0 * epsilon_0, 1.0),
         friction_new(1.0, value.f_0, value.alpha, value.beta, epsilon_0),
     );
 }

@@ -11,10 +11,10 @@ struct Run {
     window: u32,
     max_period: u32,
     period_tolerance: f32,
-    // Tolerated error of a step: absolute for v outside the friction layer, in units of its half-width for v inside it, relative
+    // Tolerated error of a step: absolute for v outside the friction layer, in units of its width for v inside it, relative
     // for p.
     tolerance: f32,
-    // Largest allowed last correction of Newton's method, relative to the larger of |v| and the friction layer's half-width.
+    // Largest allowed last correction of Newton's method, relative to the larger of |v| and the friction layer's width.
     newton: f32,
     // How near to a boundary of the friction layer a step must end, in half-widths of the layer.
     reach: f32,
@@ -73,10 +73,11 @@ struct Orbit {
     step: f32,
     // Piece of the friction law: 0 below the layer, 1 and 2 its halves, 3 above.
     piece: f32,
-    // Acceleration as a quadratic in time around the last trial's start, and the time since then: the guess for the next trial.
+    // Acceleration as a cubic in time around the last trial's start, and the time since then: the guess for the next trial.
     guess_0: f32,
     guess_1: f32,
     guess_2: f32,
+    guess_3: f32,
     since: f32,
     tangent_x: f32,
     tangent_v: f32,

@@ -132,7 +132,7 @@ pub struct ExperimentArgs {
     /// Heat modes of the shaft; one more (lumped) mode stands for all the rest
     #[arg(long, help_heading = "Numerical settings", value_name = "M")]
     pub modes: Option<u32>,
-    /// Error that a step of radau may have: of the sliding velocity (in the friction layer, divided by its half-width), and of
+    /// Error that a step of radau may have: of the sliding velocity (in the friction layer, divided by its width), and of
     /// the pressure (relative)
     #[arg(long, help_heading = "Numerical settings", value_name = "ERROR")]
     pub tolerance: Option<f64>,

@@ -43,10 +43,10 @@ const LEAST_REACH: f64 = 5e-4;
 #[derive(Clone, Copy, Debug)]
 pub struct Control<R> {
     /// Error that a step may have. The error of v is measured in units of 1 outside the friction layer, and in units of the
-    /// layer's half-width inside it. The error of p is relative.
+    /// layer's width inside it. The error of p is relative.
     pub tolerance: R,
-    /// Largest last correction of Newton's method, relative to the larger of |v| and the friction layer's half-width. The error
-    /// that remains is of the order of its square, a hundredth of the tolerance.
+    /// Largest last correction of Newton's method, relative to the larger of |v| and the friction layer's width. The error
+    /// that remains is of the order of its square, a thousandth of the tolerance.
     pub newton: R,
     /// How near to a boundary of the friction layer a step must end, in half-widths of the layer. If the step uses the wrong
     /// piece of the law over this distance, the error of friction is its square, a tenth of the tolerance.
@@ -62,7 +62,7 @@ impl<R: Real> Control<R> {
     pub fn new(integration: &Integration) -> Self {
         Self {
             tolerance: R::splat(integration.tolerance),
-            newton: R::splat((0.01 * integration.tolerance).sqrt()),
+            newton: R::splat((0.001 * integration.tolerance).sqrt()),
             reach: R::splat((0.1 * integration.tolerance).sqrt().max(LEAST_REACH)),
             longest_step_periods: R::splat(1.0 / f64::from(integration.steps_per_period)),
             // the scheme is of order 5

@@ -5,6 +5,9 @@
 use super::radau::NODES;
 use crate::lanes::{Mask, Real};
 
+/// Stands for a time that does not come.
+pub const NEVER: f64 = 1e30;
+
 /// value(s) = c0 + c1 s + c2 s^2 + c3 s^3 for s from 0 to 1, the step's start and end.
 #[derive(Clone, Copy, Debug)]
 pub struct Cubic<R> {
@@ -34,6 +37,15 @@ impl<R: Real> Cubic<R> {
         }
     }
 
+    /// The cubic with all values negated.
+    #[inline(always)]
+    #[must_use]
+    pub fn negative(&self) -> Self {
+        Self {
+            coefficients: self.coefficients.map(|coefficient| -coefficient),
+        }
+    }
+
     #[inline(always)]
     pub fn at(&self, s: R) -> R {
         let [c0, c1, c2, c3] = self.coefficients;
@@ -56,6 +68,31 @@ impl<R: Real> Cubic<R> {
             s = (s - (self.at(s) - level) / self.slope(s)).max(from).min(to);
         }
         s
+    }
+
+    /// The coefficients of its powers, from the constant on.
+    pub fn coefficients(&self) -> [R; 4] {
+        self.coefficients
+    }
+
+    /// The time after s = 1 at which the cubic's continuation comes to the value `level`, which it does not reach before: by the
+    /// parabola that touches the cubic there, and one step of Newton's method. [`NEVER`] if the parabola does not come to it.
+    #[inline(always)]
+    pub fn beyond(&self, level: R) -> R {
+        let [c0, c1, c2, c3] = self.coefficients;
+        let (two, three) = (R::splat(2.0), R::splat(3.0));
+        let distance = level - (c0 + c1 + c2 + c3);
+        let rate = three.mul_add(c3, two.mul_add(c2, c1));
+        let bend = three.mul_add(c3, c2);
+        let discriminant = rate.mul_add(rate, R::splat(4.0) * bend * distance);
+        let slope = discriminant.max(R::splat(0.0)).sqrt();
+        // the first root after 1, without cancellation; the parabola has this slope there
+        let time = two * distance / (rate + slope);
+        let comes = R::splat(0.0).less(discriminant).and(R::splat(0.0).less(time));
+        let third = c3 * time * time;
+        let corrected = time - third * time / three.mul_add(third, slope);
+        let half = R::splat(0.5) * time;
+        R::select(comes, corrected.max(half).min(time + half), R::splat(NEVER))
     }
 
     /// Whether the cubic surely stays below `level` between s = 0 and 1: true if its Bezier points do.
@@ -106,6 +143,36 @@ mod tests {
             let s = f64::from(i) / 10.0;
             assert!((dense.at(s) - f(s)).abs() < 1e-14);
         }
+    }
+
+    #[test]
+    fn what_comes_after_the_step_is_foreseen() {
+        // parabolas are met exactly; those that turn before the level, or have left it behind, never come to it (or, by rounding, far
+        // in the future)
+        let parabola = |v: f64, slope: f64, bend: f64| {
+            let value = move |s: f64| v + (s - 1.0) * (slope + (s - 1.0) * bend);
+            move |level| cubic(value).beyond(level)
+        };
+        for (time, slope, bend) in [
+            (0.3, 2.0, 0.0),
+            (0.3, 2.0, -1.5),
+            (4.0, 0.0, 0.7),
+            (2.5, -1.0, 0.9),
+            (9.0, 0.1, 0.0),
+        ] {
+            let level = 0.4 + time * (slope + time * bend);
+            let found = parabola(0.4, slope, bend)(level);
+            assert!((found - time).abs() < 1e-9 * time, "{time}: {found}");
+        }
+        assert!(parabola(0.4, 1.0, -1.0)(0.7) > 1e9);
+        assert!(parabola(0.4, -1.0, -1.0)(0.7) > 1e9);
+        assert!(parabola(0.4, -1.0, 0.0)(0.7) > 1e9);
+        assert!(parabola(0.4, 1.0, 0.0)(0.3) > 1e9);
+        // a cubic term moves the time: Newton's step finds most of this
+        let cubic = cubic(|s| s + 0.1 * (s - 1.0).powi(3));
+        let level = 1.5 + 0.1 * 0.125;
+        assert!((cubic.beyond(level) - 0.5).abs() < 1e-3);
+        assert!(cubic.negative().beyond(-level) > 1e9);
     }
 
     #[test]

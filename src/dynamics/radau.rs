@@ -283,7 +283,7 @@ impl<R: Real> InnerHeat<R> {
 }
 
 /// Solves a trial. The iteration begins with the accelerations `guess` at the nodes. `closeness` is the largest last correction
-/// of Newton's method, relative to the larger of |v| and the friction layer's half-width.
+/// of Newton's method, relative to the larger of |v| and the friction layer's width.
 #[inline(always)]
 pub fn solve<R: Real>(
     rubbing: &Rubbing<R>,

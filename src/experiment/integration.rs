@@ -72,7 +72,7 @@ pub struct Integration {
     pub steps_per_period: u32,
     /// Heat modes of the shaft, besides the lumped one.
     pub modes: u32,
-    /// Error that a step of radau may have. For v, its unit is 1 outside the friction layer and the layer's half-width inside; for
+    /// Error that a step of radau may have. For v, its unit is 1 outside the friction layer and the layer's width inside; for
     /// the pressure, the error is relative.
     pub tolerance: f64,
     /// Steps of rk4 between two renormalisations of the tangent vectors. In addition, one renormalisation ends every period.

@@ -44,7 +44,7 @@ pub struct Rubbing<R> {
     pub ramp_rate: R,
     /// Half-width of the friction layer; [`NO_LAYER`] where there is no dry friction.
     pub epsilon_0: R,
-    /// The same, but at most 1: the unit in which errors of v are measured in the layer.
+    /// Width of the friction layer, but at most 1: the unit in which errors of v are measured in the layer.
     pub layer: R,
     friction: Friction<R>,
 }
@@ -68,7 +68,7 @@ impl<R: Real> Rubbing<R> {
             two_gamma: R::splat(2.0) * value(Gamma),
             ramp_rate: value(RampRate),
             epsilon_0,
-            layer: epsilon_0.min(R::splat(1.0)),
+            layer: (epsilon_0 + epsilon_0).min(R::splat(1.0)),
             friction: Friction::new(R::splat(1.0), value(F0), value(Alpha), value(Beta), epsilon_0),
         }
     }

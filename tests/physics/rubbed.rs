@@ -212,6 +212,28 @@ fn the_whole_range_is_resolved_in_both_precisions() {
 }
 
 #[test]
+fn rough_tolerances_resolve_the_whole_range_too() {
+    // a short step before the end of a period once left a guess that overflowed in f32
+    let points: Vec<_> = (0..=192).map(|i| paper(0.0625 * f64::from(i))).collect();
+    for tolerance in [1e-2, 1e-3] {
+        let rough = Settings {
+            integration: Integration {
+                tolerance,
+                ..contact_settings().integration
+            },
+            ..contact_settings()
+        };
+        for precision in [Precision::F64, Precision::F32] {
+            let ok = |m: &Measurement| m.status == Status::Ok;
+            assert!(
+                measure(precision, &rough, &points).iter().all(ok),
+                "{precision:?}, {tolerance}"
+            );
+        }
+    }
+}
+
+#[test]
 fn the_modes_agree_with_finite_volumes_and_with_the_volterra_integral() {
     let set = paper(3.9);
     let case: Case = preset(3.9);
@@ -244,7 +266,9 @@ fn the_modes_agree_with_finite_volumes_and_with_the_volterra_integral() {
 
 #[test]
 fn modes_and_tolerance_converge() {
-    let instances = [paper(3.9), paper(3.5).with(Parameter::KW, 0.0)];
+    // several, since one of them may be met by chance
+    let worn = [3.5, 3.7, 3.9, 4.1, 4.3].map(paper);
+    let instances: Vec<_> = worn.into_iter().chain([paper(3.5).with(Parameter::KW, 0.0)]).collect();
     let with = |modes, tolerance| {
         let settings = Settings {
             integration: Integration {
@@ -260,10 +284,14 @@ fn modes_and_tolerance_converge() {
             },
         };
         let measured = measure(Precision::F64, &settings, &instances);
-        (measured[0].contact.final_wear, measured[1].lyapunov)
+        let wear = measured[..5].iter().map(|worn| worn.contact.final_wear).collect();
+        (wear, measured[5].lyapunov)
     };
-    let exact = with(32, 1e-8);
-    let errors = |found: (f64, f64)| ((found.0 - exact.0).abs(), (found.1 - exact.1).abs());
+    let exact: (Vec<f64>, f64) = with(32, 1e-8);
+    let errors = |found: (Vec<f64>, f64)| {
+        let wear = found.0.iter().zip(&exact.0).map(|(wear, exact)| (wear - exact).abs());
+        (wear.sum::<f64>() / 5.0, (found.1 - exact.1).abs())
+    };
     // the rest beyond M modes falls with a high power of M: from 4 to 8 by more than four, from 8 to 16 by more than nine
     let [four, eight, sixteen] = [4, 8, 16].map(|modes| errors(with(modes, 1e-8)).0);
     assert!(

@@ -5,8 +5,8 @@
 // one reach beyond the boundary. An orbit on its way out changes to the next piece from one reach before the boundary on.
 override CUT: f32;
 
-// Part of the layer's half-width that the first step in the layer should cross.
-override FIRST_PART: f32;
+// A boundary that is foreseen at this many steps or less is reached in one step, and one at up to two steps in two equal ones.
+override STRETCH: f32;
 
 // Stands for infinity: bounds of a sliding velocity that meets no boundary.
 const FAR = 1e30;
@@ -24,26 +24,25 @@ fn piece_of(orbit: ptr<function, Orbit>, rubbing: Rubbing) -> f32 {
         + select(0.0, 1.0, rubbing.epsilon_0 < v);
 }
 
-fn orbit_cut(orbit: ptr<function, Orbit>, rubbing: Rubbing, start: Start, trial: Trial) -> Part {
+fn orbit_cut(orbit: ptr<function, Orbit>, rubbing: Rubbing, start: Start, trial: Trial, sliding: Cubic) -> Part {
     let bounds = orbit_bounds(orbit, rubbing);
     let reach = run.reach * rubbing.epsilon_0;
     let margin = CUT * reach;
-    let above = stays(start.v, trial.v, bounds[1] + margin, bounds[1] + reach);
-    let below = stays(-start.v, -trial.v, margin - bounds[0], reach - bounds[0]);
+    let above = stays(sliding, trial.v, bounds[1] + margin, bounds[1] + reach);
+    let below = stays(negative(sliding), -trial.v, margin - bounds[0], reach - bounds[0]);
 
     // minus p in contact; in the gap, what p would be in contact: rises above 0 where contact changes
     let gap = (*orbit).contact < 0.5;
     let before = select(-start.pressure, (*orbit).fit + (*orbit).heat_pressure, gap);
     let signals = select(-trial.pressure, trial.if_closed, gap);
     let allowed = contact_tolerance((*orbit).fit);
-    let lasting = stays(before, signals, allowed, allowed * 0.5);
+    let lasting = stays(cubic_new(before, signals), signals, allowed, allowed * 0.5);
     return Part(min(min(above.part, below.part), lasting.part), above.stays && below.stays && lasting.stays);
 }
 
 // Whether a quantity stays below `allowed` over a step, between the nodes as well; if not, the part of the step after which it
-// comes to `aim`. Its value is `start` at the step's start, and `values` at the nodes.
-fn stays(start: f32, values: vec3<f32>, allowed: f32, aim: f32) -> Part {
-    let cubic = cubic_new(start, values);
+// comes to `aim`. `values` are its values at the nodes, and `cubic` goes through them.
+fn stays(cubic: Cubic, values: vec3<f32>, allowed: f32, aim: f32) -> Part {
     if (stays_below(cubic, allowed)) {
         return Part(1.0, true);
     }
@@ -68,26 +67,26 @@ fn orbit_bounds(orbit: ptr<function, Orbit>, rubbing: Rubbing) -> vec2<f32> {
     );
 }
 
-// Moves the orbit to the piece that it has reached. Returns the factor from this step to the next one; 0 if the
-// orbit has not moved.
-fn orbit_switch(orbit: ptr<function, Orbit>, rubbing: Rubbing, start: Start, trial: Trial) -> f32 {
+// Moves the orbit to the piece that it has reached. `before` is v at the start of the last step.
+fn orbit_switch(orbit: ptr<function, Orbit>, rubbing: Rubbing, before: f32) {
     let bounds = orbit_bounds(orbit, rubbing);
     let reach = run.reach * rubbing.epsilon_0;
     let v = (*orbit).v;
-    if (bounds[1] - reach < v && start.v < v) {
+    if (bounds[1] - reach < v && before < v) {
         (*orbit).piece += 1.0;
-    } else if (v < bounds[0] + reach && v < start.v) {
+    } else if (v < bounds[0] + reach && v < before) {
         (*orbit).piece -= 1.0;
-    } else {
-        return 0.0;
     }
-    // outside the layer, the limit on the step is gone; in the layer, the next step crosses a part of its half-width
-    if (abs((*orbit).piece - 1.5) >= 1.0) {
-        return 4.0;
-    }
-    // the mean v' between the last two nodes is good enough for the length of a step
-    let slid = max(abs(trial.v[2] - trial.v[1]), 1e-20) * (1.0 / (1.0 - NODE_1));
-    return min(FIRST_PART * rubbing.epsilon_0 / slid, 64.0);
+}
+
+// The length of the next step: it ends at the next boundary of the friction layer if v reaches it soon, and else is `free`. The
+// last step had the length `ticks`; `sliding` is v in it.
+fn orbit_landing(orbit: ptr<function, Orbit>, rubbing: Rubbing, sliding: Cubic, ticks: f32, free: f32) -> f32 {
+    let bounds = orbit_bounds(orbit, rubbing);
+    let reach = run.reach * rubbing.epsilon_0;
+    let ahead = ticks * min(beyond(sliding, bounds[1] + reach), beyond(negative(sliding), reach - bounds[0]));
+    // not in a step and a very short one
+    return select(min(0.5 * ahead, free), ahead, ahead < STRETCH * free);
 }
 
 // A pressure that is less than this below zero counts as zero: p is a difference of numbers of the size of the worn depth.

@@ -18,6 +18,9 @@ override REJECTED: f32;
 // The next step is this part of the step that would have just the tolerated error.
 override SAFETY: f32;
 
+// A step is at most this number of times as long as the one before.
+override LONGER: f32;
+
 // The drive over a step, and the growth of its phase as a rotation.
 struct Turned {
     drive: Drive,
@@ -33,7 +36,11 @@ struct Rotation {
 // Tries one step; `carries` tells whether a tangent vector is carried along.
 fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
     let rubbing = system.rubbing;
-    let ticks = min(u32((*orbit).step), (*orbit).left);
+    // what is left of the period is divided into steps of the same length, so that no very short one remains: the guess that would
+    // come from it is lost in rounding
+    let left = f32((*orbit).left);
+    let step = select(min((*orbit).step, 0.5 * left), left, left < (*orbit).step);
+    let ticks = min(u32(step), (*orbit).left);
     let length = f32(ticks);
     let h = length * system.tick;
 
@@ -43,26 +50,30 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
     let drive = turned.drive;
     let memory = memory_new(h);
     let time = vec3(NODE_0, NODE_1, 1.0) * h + (*orbit).since;
-    let guess = fma(fma(vec3((*orbit).guess_2), time, vec3((*orbit).guess_1)), time, vec3((*orbit).guess_0));
+    var guess = fma(vec3((*orbit).guess_3), time, vec3((*orbit).guess_2));
+    guess = fma(fma(guess, time, vec3((*orbit).guess_1)), time, vec3((*orbit).guess_0));
     let trial = solve(rubbing, start, drive, memory, guess, run.newton);
 
     // allowed length of the next step over that of the trial: by the error, and by the end of the piece or of the contact
     let growth = orbit_growth(orbit, rubbing, start, trial, h);
-    let cut = orbit_cut(orbit, rubbing, start, trial);
+    let sliding = cubic_new(start.v, trial.v);
+    let cut = orbit_cut(orbit, rubbing, start, trial, sliding);
     let accepted = cut.stays && trial.converged && is_below(REJECTED, growth) && is_below(growth, LARGEST);
-    let longer = clamp(growth * SAFETY, 0.2, 3.0);
+    let longer = clamp(growth * SAFETY, 0.2, LONGER);
     // a trial that has converged is the guess for the next one; one that has not is forgotten
     (*orbit).guess_0 = start.acceleration;
     (*orbit).guess_1 = 0.0;
     (*orbit).guess_2 = 0.0;
+    (*orbit).guess_3 = 0.0;
     (*orbit).since = 0.0;
     var next = 0.25 * length;
     if (trial.converged) {
         let inverse_h = 1.0 / h;
-        let curve = parabola(trial.acceleration);
-        (*orbit).guess_0 = curve[0];
-        (*orbit).guess_1 = curve[1] * inverse_h;
-        (*orbit).guess_2 = curve[2] * inverse_h * inverse_h;
+        let square = inverse_h * inverse_h;
+        let curve = cubic_new(start.acceleration, trial.acceleration);
+        (*orbit).guess_1 = curve.c1 * inverse_h;
+        (*orbit).guess_2 = curve.c2 * square;
+        (*orbit).guess_3 = curve.c3 * square * inverse_h;
         next = length * min(select(longer, cut.part, cut.part < 1.0), 0.9);
     }
     if (accepted) {
@@ -74,15 +85,13 @@ fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
         (*orbit).left -= ticks;
     }
 
-    let moved = orbit_switch(orbit, rubbing, start, trial);
+    orbit_switch(orbit, rubbing, start.v);
     if (accepted) {
-        // a step cut short by the end of the period says nothing of the next one
-        let free = select(length * longer, (*orbit).step, length < (*orbit).step);
-        next = select(free, length * moved, 0.0 < moved);
+        next = orbit_landing(orbit, rubbing, sliding, length, length * longer);
     }
     let longest = min(run.longest_step_periods * f32(TICKS) / system.long, swing_step(orbit, rubbing) / system.tick);
     (*orbit).step = f32(u32(clamp(next, 0.0, longest)));
-    give_up(orbit, system, abs(start.x) + abs(start.shaft_speed - start.v), length);
+    give_up(orbit, system, start, length);
 }
 
 // Growth of the shaft speed and of the fit from the start of a step of `h` to its nodes. Growth, not values, so that the digits
@@ -134,15 +143,19 @@ fn swing_step(orbit: ptr<function, Orbit>, rubbing: Rubbing) -> f32 {
     return run.swing * fma(0.5, damping, sqrt(stiff)) / max(stiff, 1e-6);
 }
 
-// Gives the orbit up if its step has become too short, or if its state is beyond the bounds or is NaN. The last step had the
-// length `ticks`; before it, |x| + |y| was `size_before`.
-fn give_up(orbit: ptr<function, Orbit>, system: System, size_before: f32, ticks: f32) {
+// Gives the orbit up if its step has become too short, or if its state is beyond the bounds or is NaN. The last step started at
+// `start` and had the length `ticks`.
+fn give_up(orbit: ptr<function, Orbit>, system: System, start: Start, ticks: f32) {
     let y = fma(system.rubbing.zeta_k, (*orbit).sine, system.rubbing.omega_k) - (*orbit).v;
-    if (!is_below(abs((*orbit).heat_pressure), PRESSURE_BOUND) || has_run_away((*orbit).x, y)) {
+    let pressed = is_below(abs((*orbit).heat_pressure), PRESSURE_BOUND);
+    if (!pressed || has_run_away((*orbit).x, y)) {
         (*orbit).runaway = 1u;
-        // |x| + |y| grows nearly as an exponential over the step in which it reaches the bound
-        let size = abs((*orbit).x) + abs(y);
-        let part = clamp(log(RUNAWAY_BOUND / size_before) / log(size / size_before), 0.0, 1.0);
+        // what reaches its bound, |x| + |y| or the pressure, grows nearly as an exponential over this step
+        let size_before = abs(start.x) + abs(start.shaft_speed - start.v);
+        let before = select(abs(start.heat.pressure), size_before, pressed);
+        let to = select(abs((*orbit).heat_pressure), abs((*orbit).x) + abs(y), pressed);
+        let bound = select(PRESSURE_BOUND, RUNAWAY_BOUND, pressed);
+        let part = clamp(log(bound / before) / log(to / before), 0.0, 1.0);
         (*orbit).runaway_phase = 1.0 - (f32((*orbit).left) + (1.0 - part) * ticks) / f32(TICKS);
         (*orbit).left = 0u;
     } else if ((*orbit).step <= SHORTEST_STEP) {

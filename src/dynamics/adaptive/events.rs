@@ -16,8 +16,9 @@ use crate::model::rubbing::{NO_LAYER, Rubbing};
 /// reach before the boundary. Between these limits v may turn back without switching to and fro.
 pub const CUT: f64 = 4.0;
 
-/// The first step on a piece inside the layer aims at this part of the layer's half-width.
-pub const FIRST_PART: f64 = 0.3;
+/// A boundary of the friction layer that is foreseen at this many steps or less is reached in one step, and one at up to two steps in
+/// two equal ones.
+pub const STRETCH: f64 = 1.1;
 
 /// Stands for infinity: the bound of a sliding velocity that meets no boundary.
 pub(super) const FAR: f64 = 1e30;
@@ -40,13 +41,14 @@ impl<R: Real> Orbit<R> {
         control: &Control<R>,
         start: &Start<R>,
         trial: &Trial<R>,
+        sliding: &Cubic<R>,
     ) -> (R, R::Mask) {
         let [low, high] = self.bounds(rubbing);
         let reach = control.reach * rubbing.epsilon_0;
         let margin = R::splat(CUT) * reach;
-        let (above, stays_below) = stays(start.v, trial.v, high + margin, high + reach);
+        let (above, stays_below) = stays(sliding, trial.v, high + margin, high + reach);
         let fallen = at_nodes!(i => -trial.v[i]);
-        let (below, stays_above) = stays(-start.v, fallen, margin - low, reach - low);
+        let (below, stays_above) = stays(&sliding.negative(), fallen, margin - low, reach - low);
 
         // a signal that rises above 0 where contact changes: -p in contact; in the gap, the pressure that there would be in
         // contact
@@ -54,7 +56,7 @@ impl<R: Real> Orbit<R> {
         let before = R::select(gap, self.fit + self.heat.pressure, -start.pressure);
         let signals = at_nodes!(i => R::select(gap, trial.if_closed[i], -trial.pressure[i]));
         let allowed = contact_tolerance(self.fit);
-        let (lasting, lasts) = stays(before, signals, allowed, allowed * R::splat(0.5));
+        let (lasting, lasts) = stays(&Cubic::new(before, signals), signals, allowed, allowed * R::splat(0.5));
         (above.min(below).min(lasting), stays_below.and(stays_above).and(lasts))
     }
 
@@ -75,42 +77,46 @@ impl<R: Real> Orbit<R> {
         ]
     }
 
-    /// Moves a lane to the next piece if it has reached it. Returns the factor for the length of its next step, 0 if it has not
-    /// moved.
+    /// Moves a lane to the next piece if it has reached it. `before` is v at the start of the last step.
     #[inline(always)]
-    pub(super) fn switch(
-        &mut self,
-        rubbing: &Rubbing<R>,
-        control: &Control<R>,
-        start: &Start<R>,
-        trial: &Trial<R>,
-    ) -> R {
+    pub(super) fn switch(&mut self, rubbing: &Rubbing<R>, control: &Control<R>, before: R) {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let [low, high] = self.bounds(rubbing);
         let reach = control.reach * rubbing.epsilon_0;
-        let up = (high - reach).less(self.v).and(start.v.less(self.v));
-        let down = self.v.less(low + reach).and(self.v.less(start.v));
-        let moved = up.or(down);
-        if R::select(moved, one, zero).less(R::splat(0.5)).all() {
-            return zero;
-        }
-        self.piece = R::select(up, self.piece + one, R::select(down, self.piece - one, self.piece));
-        // in the layer, the next step aims at a part of the half-width; outside, the layer no longer limits the step
-        let inside = (self.piece - R::splat(1.5)).abs().less(one);
-        // v' from the last two nodes is accurate enough to choose the length of a step
-        let slid = (trial.v[2] - trial.v[1]).abs().max(R::splat(1e-20)) * R::splat(1.0 / (1.0 - NODES[1]));
-        let entering = (R::splat(FIRST_PART) * rubbing.epsilon_0 / slid).min(R::splat(64.0));
-        R::select(moved, R::select(inside, entering, R::splat(4.0)), zero)
+        let up = (high - reach).less(self.v).and(before.less(self.v));
+        let down = self.v.less(low + reach).and(self.v.less(before));
+        self.piece = self.piece + R::select(up, one, zero) - R::select(down, one, zero);
+    }
+
+    /// The length of the next step, which is to end at the next boundary of the friction layer if v reaches it soon, and else is
+    /// `free`. The last step had the length `ticks`; `sliding` is v in it.
+    #[inline(always)]
+    pub(super) fn landing(
+        &self,
+        rubbing: &Rubbing<R>,
+        control: &Control<R>,
+        sliding: &Cubic<R>,
+        ticks: R,
+        free: R,
+    ) -> R {
+        let [low, high] = self.bounds(rubbing);
+        let reach = control.reach * rubbing.epsilon_0;
+        let above = sliding.beyond(high + reach);
+        let below = sliding.negative().beyond(reach - low);
+        let ahead = ticks * above.min(below);
+        // not in a step and a very short one
+        let half = R::splat(0.5) * ahead;
+        let next = R::select(half.less(free), half, free);
+        R::select(ahead.less(R::splat(STRETCH) * free), ahead, next)
     }
 }
 
-/// Whether a quantity stays below `allowed` during a step, also between the nodes. `start` is its value at the step's start,
-/// `values` are those at the nodes. The first result is 1 if it stays, else the part of the step after which the quantity reaches
+/// Whether a quantity stays below `allowed` during a step, also between the nodes. `values` are its values at the nodes, and
+/// `cubic` goes through them. The first result is 1 if it stays, else the part of the step after which the quantity reaches
 /// `aim`.
 #[inline(always)]
-fn stays<R: Real>(start: R, values: [R; 3], allowed: R, aim: R) -> (R, R::Mask) {
+fn stays<R: Real>(cubic: &Cubic<R>, values: [R; 3], allowed: R, aim: R) -> (R, R::Mask) {
     let (zero, one) = (R::splat(0.0), R::splat(1.0));
-    let cubic = Cubic::new(start, values);
     let surely = cubic.stays_below(allowed);
     if surely.all() {
         return (one, surely);
@@ -138,7 +144,8 @@ mod tests {
     use super::*;
 
     fn ends(f: impl Fn(f64) -> f64, allowed: f64, aim: f64) -> (f64, bool) {
-        stays(f(0.0), NODES.map(f), allowed, aim)
+        let values = NODES.map(&f);
+        stays(&Cubic::new(f(0.0), values), values, allowed, aim)
     }
 
     #[test]

@@ -36,8 +36,8 @@ pub struct Orbit<R: Real> {
     pub step: R,
     /// Piece of the friction law: 0 below the layer, 1 and 2 its halves, 3 above.
     pub piece: R,
-    /// Guess for the next trial: the acceleration as a quadratic in time from the last trial's start, and the time since then.
-    pub guess: [R; 3],
+    /// Guess for the next trial: the acceleration as a cubic in time from the last trial's start, and the time since then.
+    pub guess: [R; 4],
     pub since: R,
     /// Least and greatest x since they were last set.
     pub extremes: [R; 2],
@@ -73,7 +73,7 @@ impl<R: Real> Orbit<R> {
             periods: zero,
             step: R::splat(FIRST_PART_OF_PERIOD * R::PERIOD_TICKS),
             piece: zero,
-            guess: [zero; 3],
+            guess: [zero; 4],
             since: zero,
             extremes: [x; 2],
             under_resolved: zero,

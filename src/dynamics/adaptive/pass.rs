@@ -13,6 +13,7 @@ use std::f64::consts::TAU;
 use super::orbit::FIRST_PART_OF_PERIOD;
 use super::{Control, Orbit, PRESSURE_BOUND, Peaks, Scratch, System, Tangent};
 use crate::dynamics::decay::single;
+use crate::dynamics::dense::Cubic;
 use crate::dynamics::matrix::at_nodes;
 use crate::dynamics::radau::{self, Drive, ERROR_WEIGHT, Memory, NODES, Start, Trial};
 use crate::lanes::{Mask, Real, Ticks};
@@ -30,10 +31,14 @@ pub const PRESSURE_FLOOR: f64 = 1e-2;
 pub const LARGE_SPEED: f64 = 20.0;
 
 /// A trial is repeated if its error calls for a step of at most this part of its length.
-pub const REJECTED: f64 = 0.9;
+pub const REJECTED: f64 = 0.8;
 
 /// The next step is this part of the step that would have just the tolerated error.
 pub const SAFETY: f64 = 0.8;
+
+/// A step is at most this number of times as long as the one before. It is large because a step that ends at a boundary of the
+/// friction layer may be much shorter than its error allows.
+pub const LONGER: f64 = 10.0;
 
 impl<R: Real> Orbit<R> {
     /// Tries one step in every lane, and carries the tangent vectors over it.
@@ -51,7 +56,10 @@ impl<R: Real> Orbit<R> {
         let left = R::from_ticks(self.left);
         let running = R::splat(0.5).less(left);
         // lanes that wait for others try a short step, which is not accepted
-        let ticks = R::from_ticks(self.step.to_ticks().least(self.left));
+        // what is left of the period is divided into steps of the same length, so that no very short one remains: the guess that would
+        // come from it is lost in rounding
+        let step = R::select(left.less(self.step), left, self.step.min(R::splat(0.5) * left));
+        let ticks = R::from_ticks(step.to_ticks().least(self.left));
         let ticks = R::select(running, ticks, R::splat(FIRST_PART_OF_PERIOD * R::PERIOD_TICKS));
         let h = ticks * system.tick;
 
@@ -68,16 +76,18 @@ impl<R: Real> Orbit<R> {
         );
         let guess = at_nodes!(i => {
             let time = R::splat(NODES[i]).mul_add(h, self.since);
-            self.guess[2].mul_add(time, self.guess[1]).mul_add(time, self.guess[0])
+            let [constant, first, second, third] = self.guess;
+            third.mul_add(time, second).mul_add(time, first).mul_add(time, constant)
         });
         let trial = radau::solve(rubbing, &start, &drive, &memory, guess, control.newton);
 
         // factors for the next step: `longer` after an accepted trial, by its error; `again` if this trial is to be repeated
         let growth = self.growth(rubbing, control, &start, &trial, h);
-        let (shorter, stays) = self.cut(rubbing, control, &start, &trial);
+        let sliding = Cubic::new(start.v, trial.v);
+        let (shorter, stays) = self.cut(rubbing, control, &start, &trial, &sliding);
         let accepted = stays.and(trial.converged).and(R::splat(REJECTED).less(growth));
         let accepted = accepted.and(running);
-        let longer = (growth * R::splat(SAFETY)).max(R::splat(0.2)).min(R::splat(3.0));
+        let longer = (growth * R::splat(SAFETY)).max(R::splat(0.2)).min(R::splat(LONGER));
         let again = R::select(
             trial.converged,
             R::select(shorter.less(one), shorter, longer).min(R::splat(0.9)),
@@ -85,14 +95,15 @@ impl<R: Real> Orbit<R> {
         );
         // a trial that has converged gives the guess for the next one, even if it is not accepted; any other is forgotten. A lane that
         // waits keeps its guess, so that it does not depend on the others.
-        let parabola = radau::parabola(trial.acceleration);
+        let [constant, first, second, third] = Cubic::new(start.acceleration, trial.acceleration).coefficients();
         let inverse_h = one / h;
-        let guess = [
-            R::select(trial.converged, parabola[0], start.acceleration),
-            R::select(trial.converged, parabola[1] * inverse_h, zero),
-            R::select(trial.converged, parabola[2] * inverse_h * inverse_h, zero),
-        ];
-        self.guess = at_nodes!(k => R::select(running, guess[k], self.guess[k]));
+        let square = inverse_h * inverse_h;
+        let guess = [constant, first * inverse_h, second * square, third * square * inverse_h];
+        let forgotten = [start.acceleration, zero, zero, zero];
+        for k in 0..4 {
+            let next = R::select(trial.converged, guess[k], forgotten[k]);
+            self.guess[k] = R::select(running, next, self.guess[k]);
+        }
         self.since = R::select(running, R::select(accepted, h, zero), self.since);
 
         let alive = peaks.lost[0].less(zero).or(zero.less(system.lasts));
@@ -113,19 +124,17 @@ impl<R: Real> Orbit<R> {
         );
         self.left = self.left.minus(R::select(accepted, ticks, zero).to_ticks());
 
-        let moved = self.switch(rubbing, control, &start, &trial);
-        // the length of a step that the end of the period has cut short says nothing about the next one
-        let free = R::select(ticks.less(self.step), self.step, ticks * longer);
+        self.switch(rubbing, control, start.v);
         let next = R::select(
             accepted,
-            R::select(zero.less(moved), ticks * moved, free),
+            self.landing(rubbing, control, &sliding, ticks, ticks * longer),
             ticks * again,
         );
         let longest = control.longest_step_periods * R::splat(R::PERIOD_TICKS) / system.long;
         let longest = longest.min(self.swing_step(rubbing, control) / system.tick);
         let next = R::from_ticks(next.min(longest).max(zero).to_ticks());
         self.step = R::select(running, next, self.step);
-        self.give_up(system, running, [start.x, start.shaft_speed - start.v], ticks);
+        self.give_up(system, running, &start, ticks);
     }
 
     /// The changes of the shaft speed and of the fit from the start of a step of length `h` to its nodes. Changes, not values, so
@@ -187,15 +196,15 @@ impl<R: Real> Orbit<R> {
         control.swing * slower / stiffness.max(R::splat(1e-6))
     }
 
-    /// Gives up lanes whose step has become too short, and lanes whose state has run away or is NaN. The last step had the length
-    /// `ticks` and started from the state (x, y) `before`.
+    /// Gives up lanes whose step has become too short, and lanes whose state has run away or is NaN. The last step started at
+    /// `start` and had the length `ticks`.
     #[inline(always)]
-    fn give_up(&mut self, system: &System<R>, running: R::Mask, before: [R; 2], ticks: R) {
+    fn give_up(&mut self, system: &System<R>, running: R::Mask, start: &Start<R>, ticks: R) {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         // written so that a lane with NaN is given up
         let size = self.x.abs() + self.y(system).abs();
-        let bounded = self.heat.pressure.abs().less(R::splat(PRESSURE_BOUND));
-        let bounded = bounded.and(size.less(R::splat(RUNAWAY_BOUND)));
+        let pressed = self.heat.pressure.abs().less(R::splat(PRESSURE_BOUND));
+        let bounded = pressed.and(size.less(R::splat(RUNAWAY_BOUND)));
         let steps = R::splat(f64::from(SHORTEST_STEP)).less(self.step);
         let fine = bounded.and(steps);
         if fine.all() {
@@ -204,9 +213,12 @@ impl<R: Real> Orbit<R> {
         let left = R::from_ticks(self.left);
         let lost = R::select(running, R::select(fine, zero, one), zero);
         let ran_away = R::select(bounded, zero, lost);
-        // |x| + |y| grows nearly as an exponential over the step in which it reaches the bound
-        let (from, bound) = (before[0].abs() + before[1].abs(), R::splat(RUNAWAY_BOUND));
-        let part = ((bound / from).ln() / (size / from).ln()).max(zero).min(one);
+        // what reaches its bound, |x| + |y| or the pressure, grows nearly as an exponential over this step
+        let size_before = start.x.abs() + (start.shaft_speed - start.v).abs();
+        let from = R::select(pressed, size_before, start.heat.pressure.abs());
+        let to = R::select(pressed, size, self.heat.pressure.abs());
+        let bound = R::select(pressed, R::splat(RUNAWAY_BOUND), R::splat(PRESSURE_BOUND));
+        let part = ((bound / from).ln() / (to / from).ln()).max(zero).min(one);
         let since = (one - part) * ticks + left;
         let phase = (R::splat(self.to) - since) * R::splat(1.0 / R::PERIOD_TICKS);
         self.runaway_phase = R::select(zero.less(ran_away), phase, self.runaway_phase);

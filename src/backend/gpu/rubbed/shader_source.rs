@@ -5,8 +5,8 @@
 use super::super::shader_source::{EntryPoint, Kernel, Shader, source_files};
 use crate::dynamics::adaptive::PRESSURE_BOUND;
 use crate::dynamics::adaptive::accepted::ROUGH;
-use crate::dynamics::adaptive::events::{CUT, FIRST_PART};
-use crate::dynamics::adaptive::pass::{LARGE_SPEED, PRESSURE_FLOOR, REJECTED, SAFETY, SHORTEST_STEP};
+use crate::dynamics::adaptive::events::{CUT, STRETCH};
+use crate::dynamics::adaptive::pass::{LARGE_SPEED, LONGER, PRESSURE_FLOOR, REJECTED, SAFETY, SHORTEST_STEP};
 use crate::dynamics::adaptive::period::{PASS_BUDGET, SETTLING_PASSES};
 use crate::dynamics::radau::{ERROR_WEIGHT, MAX_ITERATIONS};
 use crate::dynamics::stroboscope::LEAST_WINDOW;
@@ -62,10 +62,11 @@ pub static RADAU: Shader = Shader {
         ("LARGE_SPEED", LARGE_SPEED),
         ("PRESSURE_BOUND", PRESSURE_BOUND),
         ("CUT", CUT),
-        ("FIRST_PART", FIRST_PART),
         ("PRESSURE_FLOOR", PRESSURE_FLOOR),
         ("REJECTED", REJECTED),
         ("SAFETY", SAFETY),
+        ("LONGER", LONGER),
+        ("STRETCH", STRETCH),
         ("ROUGH", ROUGH),
     ],
 };
