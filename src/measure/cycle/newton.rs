@@ -177,3 +177,60 @@ fn length(vector: &[f64]) -> f64 {
 fn moved_by(state: &[f64], step: &[f64]) -> Vec<f64> {
     state.iter().zip(step).map(|(state, step)| state + step).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The derivative of a map of the line.
+    struct Slope(f64);
+
+    impl Linearisation for Slope {
+        fn newton_step(&self, moved: &[f64]) -> Option<Vec<f64>> {
+            Some(vec![moved[0] / (1.0 - self.0)])
+        }
+
+        fn attracts(&self, from: &[f64], to: &[f64]) -> bool {
+            self.0.abs() < 1.0 && to[0].abs() < from[0].abs()
+        }
+    }
+
+    /// The search that begins in `state`, for a map with this derivative that has the fixed point 0.
+    fn search(state: f64, map: fn(f64) -> f64, slope: fn(f64) -> f64) -> Newton<Slope> {
+        let mut newton = Newton::new(CONVERGED, NEAR);
+        let mut state = vec![state];
+        for _ in 0..ROUNDS {
+            let end = vec![map(state[0])];
+            let linear = Slope(slope(state[0]));
+            match newton.end_turn(state, end, linear) {
+                Next::From(next) => state = next,
+                Next::Found(found) => {
+                    assert!(found[0].abs() < NEAR, "{found:?}");
+                    return newton;
+                }
+                Next::Lost => panic!("the search is lost"),
+            }
+        }
+        panic!("the search does not end")
+    }
+
+    #[test]
+    fn a_cycle_counts_only_if_it_attracts_for_certain_and_the_orbit_goes_there() {
+        let near = search(0.3, |x| 0.5 * x, |_| 0.5);
+        assert_eq!(near.class(-0.7, 0.1), Some(Class::Regular));
+        assert_eq!(near.class(-0.7, 0.3), None);
+        // Newton's method comes from 0.3 to the attracting 0, but the orbit goes from 0.3 to 0.45
+        let map = |x: f64| x * (0.5 + x * (20.0 - x * 100.0 / 3.0) / 3.0);
+        let leaving = search(0.3, map, |x| 0.5 + x * (40.0 - 100.0 * x) / 3.0);
+        assert!((leaving.moved() - 0.15).abs() < 1e-12);
+        assert_eq!(leaving.class(-0.7, 0.01), None);
+    }
+
+    #[test]
+    fn an_orbit_is_unstable_only_if_it_returns_to_exactly_the_same_numbers() {
+        let from = |state| search(state, |x| 2.0 * x, |_| 2.0);
+        assert_eq!(from(0.0).class(0.7, 0.1), Some(Class::Unstable));
+        assert_eq!(from(0.0).class(0.7, 0.3), None);
+        assert_eq!(from(0.3).class(0.7, 0.1), None);
+    }
+}
