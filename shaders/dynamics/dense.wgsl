@@ -59,17 +59,24 @@ fn crossing(cubic: Cubic, level: f32, first: f32, last: f32) -> f32 {
     return s;
 }
 
-// The time after s = 1 at which the cubic's continuation comes to the value `level`, which it does not reach before: by the
-// parabola that touches the cubic there, and one step of Newton's method. NEVER if the parabola does not come to it.
-fn beyond(cubic: Cubic, level: f32) -> f32 {
-    let distance = level - (cubic.c0 + cubic.c1 + cubic.c2 + cubic.c3);
+// The time after s = 1 at which the cubic's continuation comes to one of two values, `low` and `high`, between which it is at 1: by
+// the parabola that touches the cubic there, and one step of Newton's method. NEVER if it is not between them, or moves to neither.
+fn beyond(cubic: Cubic, low: f32, high: f32) -> f32 {
+    let value = cubic.c0 + cubic.c1 + cubic.c2 + cubic.c3;
     let rate = fma(3.0, cubic.c3, fma(2.0, cubic.c2, cubic.c1));
-    let discriminant = fma(rate, rate, 4.0 * fma(3.0, cubic.c3, cubic.c2) * distance);
+    let four_bend = 4.0 * fma(3.0, cubic.c3, cubic.c2);
+    // ahead, or behind if the parabola turns before
+    let rises = 0.0 < rate;
+    let ahead = select(low, high, rises) - value;
+    let behind = select(high, low, rises) - value;
+    let turns = fma(rate, rate, four_bend * ahead) < 0.0;
+    let distance = select(ahead, behind, turns);
     // the first root after 1, without cancellation; the parabola has this slope there
-    let slope = sqrt(max(discriminant, 0.0));
+    let steepness = sqrt(max(fma(rate, rate, four_bend * distance), 0.0));
+    let slope = select(steepness, -steepness, distance < 0.0);
     let toward = rate + slope;
     // the quotient is formed only if it is positive and not too large
-    let comes = abs(distance) < 0.5 * NEVER && 0.0 < discriminant && (0.0 < toward) == (0.0 < distance);
+    let comes = abs(distance) < 0.5 * NEVER && 0.0 < steepness && (0.0 < toward) == (0.0 < distance);
     if (!(comes && abs(distance) < 1e9 * abs(toward))) {
         return NEVER;
     }

@@ -75,20 +75,28 @@ impl<R: Real> Cubic<R> {
         self.coefficients
     }
 
-    /// The time after s = 1 at which the cubic's continuation comes to the value `level`, which it does not reach before: by the
-    /// parabola that touches the cubic there, and one step of Newton's method. [`NEVER`] if the parabola does not come to it.
+    /// The time after s = 1 at which the cubic's continuation comes to one of two values, `low` and `high`, between which it is at 1:
+    /// by the parabola that touches the cubic there, and one step of Newton's method. [`NEVER`] if it is not between them, or moves
+    /// to neither.
     #[inline(always)]
-    pub fn beyond(&self, level: R) -> R {
+    pub fn beyond(&self, [low, high]: [R; 2]) -> R {
         let [c0, c1, c2, c3] = self.coefficients;
-        let (two, three) = (R::splat(2.0), R::splat(3.0));
-        let distance = level - (c0 + c1 + c2 + c3);
+        let (zero, two, three) = (R::splat(0.0), R::splat(2.0), R::splat(3.0));
+        let value = c0 + c1 + c2 + c3;
         let rate = three.mul_add(c3, two.mul_add(c2, c1));
-        let bend = three.mul_add(c3, c2);
-        let discriminant = rate.mul_add(rate, R::splat(4.0) * bend * distance);
-        let slope = discriminant.max(R::splat(0.0)).sqrt();
+        let four_bend = R::splat(4.0) * three.mul_add(c3, c2);
+        let discriminant = |distance: R| rate.mul_add(rate, four_bend * distance);
+        // ahead, or behind if the parabola turns before
+        let rises = zero.less(rate);
+        let ahead = R::select(rises, high, low) - value;
+        let behind = R::select(rises, low, high) - value;
+        let turns = discriminant(ahead).less(zero);
+        let distance = R::select(turns, behind, ahead);
         // the first root after 1, without cancellation; the parabola has this slope there
+        let steepness = discriminant(distance).max(zero).sqrt();
+        let slope = R::select(distance.less(zero), -steepness, steepness);
         let time = two * distance / (rate + slope);
-        let comes = R::splat(0.0).less(discriminant).and(R::splat(0.0).less(time));
+        let comes = zero.less(steepness).and(zero.less(time));
         let third = c3 * time * time;
         let corrected = time - third * time / three.mul_add(third, slope);
         let half = R::splat(0.5) * time;
@@ -147,12 +155,13 @@ mod tests {
 
     #[test]
     fn what_comes_after_the_step_is_foreseen() {
-        // parabolas are met exactly; those that turn before the level, or have left it behind, never come to it (or, by rounding, far
-        // in the future)
+        // parabolas are met exactly; those that move away from the level, or have left it behind, never come to it (or, by rounding,
+        // far in the future)
         let parabola = |v: f64, slope: f64, bend: f64| {
             let value = move |s: f64| v + (s - 1.0) * (slope + (s - 1.0) * bend);
-            move |level| cubic(value).beyond(level)
+            move |low, high| cubic(value).beyond([low, high])
         };
+        let far = 1e30;
         for (time, slope, bend) in [
             (0.3, 2.0, 0.0),
             (0.3, 2.0, -1.5),
@@ -161,18 +170,24 @@ mod tests {
             (9.0, 0.1, 0.0),
         ] {
             let level = 0.4 + time * (slope + time * bend);
-            let found = parabola(0.4, slope, bend)(level);
-            assert!((found - time).abs() < 1e-9 * time, "{time}: {found}");
+            let rising = parabola(0.4, slope, bend)(-far, level);
+            let falling = parabola(-0.4, -slope, -bend)(-level, far);
+            for found in [rising, falling] {
+                assert!((found - time).abs() < 1e-9 * time, "{time}: {found}");
+            }
         }
-        assert!(parabola(0.4, 1.0, -1.0)(0.7) > 1e9);
-        assert!(parabola(0.4, -1.0, -1.0)(0.7) > 1e9);
-        assert!(parabola(0.4, -1.0, 0.0)(0.7) > 1e9);
-        assert!(parabola(0.4, 1.0, 0.0)(0.3) > 1e9);
+        assert!(parabola(0.4, -1.0, 0.0)(-far, 0.7) > 1e9);
+        assert!(parabola(0.4, 1.0, 0.0)(-far, 0.3) > 1e9);
+        // 0.4 + t - t^2 comes to 0.6, or turns before 0.7 and falls to 0.1
+        let turning = parabola(0.4, 1.0, -1.0);
+        for (high, time) in [(0.6, 0.5 - 0.05_f64.sqrt()), (0.7, 0.5 + 0.55_f64.sqrt())] {
+            assert!((turning(0.1, high) - time).abs() < 1e-9, "{high}");
+        }
         // a cubic term moves the time: Newton's step finds most of this
         let cubic = cubic(|s| s + 0.1 * (s - 1.0).powi(3));
         let level = 1.5 + 0.1 * 0.125;
-        assert!((cubic.beyond(level) - 0.5).abs() < 1e-3);
-        assert!(cubic.negative().beyond(-level) > 1e9);
+        assert!((cubic.beyond([-far, level]) - 0.5).abs() < 1e-3);
+        assert!((cubic.negative().beyond([-level, far]) - 0.5).abs() < 1e-3);
     }
 
     #[test]

@@ -84,7 +84,7 @@ fn orbit_switch(orbit: ptr<function, Orbit>, rubbing: Rubbing, before: f32) {
 fn orbit_landing(orbit: ptr<function, Orbit>, rubbing: Rubbing, sliding: Cubic, ticks: f32, free: f32) -> f32 {
     let bounds = orbit_bounds(orbit, rubbing);
     let reach = run.reach * rubbing.epsilon_0;
-    let ahead = ticks * min(beyond(sliding, bounds[1] + reach), beyond(negative(sliding), reach - bounds[0]));
+    let ahead = ticks * beyond(sliding, bounds[0] - reach, bounds[1] + reach);
     // not in a step and a very short one
     return select(min(0.5 * ahead, free), ahead, ahead < STRETCH * free);
 }

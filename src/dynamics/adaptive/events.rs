@@ -101,9 +101,7 @@ impl<R: Real> Orbit<R> {
     ) -> R {
         let [low, high] = self.bounds(rubbing);
         let reach = control.reach * rubbing.epsilon_0;
-        let above = sliding.beyond(high + reach);
-        let below = sliding.negative().beyond(reach - low);
-        let ahead = ticks * above.min(below);
+        let ahead = ticks * sliding.beyond([low - reach, high + reach]);
         // not in a step and a very short one
         let half = R::splat(0.5) * ahead;
         let next = R::select(half.less(free), half, free);
