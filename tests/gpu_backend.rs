@@ -59,7 +59,7 @@ fn text(measurements: &[Measurement]) -> Vec<String> {
 
 #[test]
 fn a_batch_of_more_workgroups_than_a_dispatch_may_have_is_carried_on_whole() {
-    let Some(context) = gpu_context::or_skip(GpuContext::open_with_workgroup_size(None, true, 1)) else {
+    let Some(context) = gpu_context::or_skip(GpuContext::open_with_workgroups(None, true, 3)) else {
         return;
     };
     let settings = Settings {
@@ -69,7 +69,8 @@ fn a_batch_of_more_workgroups_than_a_dispatch_may_have_is_carried_on_whole() {
         },
         ..Settings::default()
     };
-    let instances = Instance::starts(&line(70_000));
+    // 15 workgroups and a part of one
+    let instances = Instance::starts(&line(1000));
     let mut gpu = GpuBackend::new(context.with_lanes(Lanes::One));
     let mut cpu = CpuBackend::new(Precision::F32);
     let mut ends = Vec::new();

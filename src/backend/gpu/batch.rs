@@ -5,7 +5,7 @@
 use std::time::{Duration, Instant};
 
 use super::buffers::Buffers;
-use super::context::GpuContext;
+use super::context::{GpuContext, WORKGROUP_SIZE};
 use super::kernels::{Compiled, Kernels};
 use super::layout::{SPAN, Span};
 use super::model::Model;
@@ -34,7 +34,7 @@ impl GpuBatch {
         let load = Load {
             pace: model.pace(),
             instances: instances.len() as u32,
-            workgroup_instances: context.workgroup_size() * kernels.shape().lanes.count(),
+            workgroup_instances: WORKGROUP_SIZE * kernels.shape().lanes.count(),
             max_workgroups: context.device().limits().max_compute_workgroups_per_dimension,
         };
         if !load.pace.is_lasting {

@@ -13,7 +13,7 @@ use super::shader_source::Lanes;
 use crate::backend::BackendError;
 
 /// Threads in a workgroup: a whole number of every vendor's subgroups.
-const WORKGROUP_SIZE: u32 = 64;
+pub(super) const WORKGROUP_SIZE: u32 = 64;
 
 /// A device that has not answered for this time counts as lost. Dispatches last a tenth of a second.
 const PATIENCE: Duration = Duration::from_mins(1);
@@ -24,7 +24,6 @@ pub struct GpuContext {
     queue: wgpu::Queue,
     description: AdapterDescription,
     faults: Arc<Faults>,
-    workgroup_size: u32,
     lanes: Lanes,
 }
 
@@ -36,19 +35,19 @@ impl GpuContext {
     /// [`BackendError::NoDevice`] if no adapter fits, [`BackendError::Unsupported`] if its limits are too low, and other errors
     /// that its driver reports.
     pub fn open(adapter: Option<&str>, allow_software: bool) -> Result<Self, BackendError> {
-        Self::open_with_workgroup_size(adapter, allow_software, WORKGROUP_SIZE)
+        Self::open_with_workgroups(adapter, allow_software, u32::MAX)
     }
 
-    /// As [`GpuContext::open`], with `workgroup_size` threads in a workgroup.
+    /// As [`GpuContext::open`]; a dispatch has at most `most_workgroups` workgroups, and no more than the adapter allows.
     ///
     /// # Errors
     /// As [`GpuContext::open`].
-    pub fn open_with_workgroup_size(
+    pub fn open_with_workgroups(
         adapter: Option<&str>,
         allow_software: bool,
-        workgroup_size: u32,
+        most_workgroups: u32,
     ) -> Result<Self, BackendError> {
-        Self::of(&adapter::choose(adapter, allow_software)?, workgroup_size)
+        Self::of(&adapter::choose(adapter, allow_software)?, most_workgroups)
     }
 
     /// Opens every hardware adapter with `adapter` in its name, or every one; those that do not open are left out.
@@ -56,15 +55,16 @@ impl GpuContext {
         let adapters = adapter::all_hardware(adapter);
         adapters
             .iter()
-            .filter_map(|adapter| Self::of(adapter, WORKGROUP_SIZE).ok())
+            .filter_map(|adapter| Self::of(adapter, u32::MAX).ok())
             .collect()
     }
 
-    fn of(adapter: &wgpu::Adapter, workgroup_size: u32) -> Result<Self, BackendError> {
+    fn of(adapter: &wgpu::Adapter, most_workgroups: u32) -> Result<Self, BackendError> {
         let description = AdapterDescription::new(&adapter.get_info());
         // the highest limits of the adapter: the default ones would keep batches small
-        let limits = adapter.limits();
-        check_limits(&description, &limits, workgroup_size)?;
+        let mut limits = adapter.limits();
+        check_limits(&description, &limits)?;
+        limits.max_compute_workgroups_per_dimension = limits.max_compute_workgroups_per_dimension.min(most_workgroups);
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("tribochaos"),
             required_limits: limits,
@@ -78,7 +78,6 @@ impl GpuContext {
             lanes: Lanes::suiting(description.is_software),
             description,
             faults,
-            workgroup_size,
         };
         context.check()?;
         Ok(context)
@@ -100,11 +99,6 @@ impl GpuContext {
 
     pub fn queue(&self) -> &wgpu::Queue {
         &self.queue
-    }
-
-    /// Threads in a workgroup.
-    pub(super) fn workgroup_size(&self) -> u32 {
-        self.workgroup_size
     }
 
     /// Instances of the reduced model in a thread.
@@ -148,11 +142,7 @@ impl GpuContext {
 }
 
 /// Checks that the adapter has what the kernels need; that is little, but not every adapter has it.
-fn check_limits(
-    description: &AdapterDescription,
-    limits: &wgpu::Limits,
-    workgroup_size: u32,
-) -> Result<(), BackendError> {
+fn check_limits(description: &AdapterDescription, limits: &wgpu::Limits) -> Result<(), BackendError> {
     let workgroup = limits
         .max_compute_invocations_per_workgroup
         .min(limits.max_compute_workgroup_size_x);
@@ -164,7 +154,7 @@ fn check_limits(
         (
             "threads in a workgroup",
             u64::from(workgroup),
-            u64::from(workgroup_size),
+            u64::from(WORKGROUP_SIZE),
         ),
         (
             "storage buffers in a kernel",

@@ -2,7 +2,7 @@
 //!
 //! Owns compilation; knows nothing of what the buffers hold.
 
-use super::context::GpuContext;
+use super::context::{GpuContext, WORKGROUP_SIZE};
 use super::layout::{Access, Binding};
 use super::pacer::Pacer;
 use super::shader_source::{Kernel, Shader, Shape};
@@ -53,7 +53,7 @@ impl Kernels {
                 module: &module,
                 entry_point: Some(entry_point),
                 compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: &shader.constants(kernel, context.workgroup_size()),
+                    constants: &shader.constants(kernel, WORKGROUP_SIZE),
                     ..Default::default()
                 },
                 cache: None,
