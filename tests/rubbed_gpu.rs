@@ -133,7 +133,7 @@ fn the_figures_of_section_5_come_out() {
 #[test]
 fn short_trajectories_are_those_of_the_cpu() {
     let Some(context) = gpu_context::open() else { return };
-    // at the usual tolerance, rounding decides where steps end, and a rare point differs by as much as its steps are wrong
+    // Rounding changes where steps end. At the usual tolerance, the errors of the steps then differ by too much at a rare point.
     let settings = Settings {
         integration: Integration {
             tolerance: 1e-5,

@@ -59,8 +59,9 @@ fn crossing(cubic: Cubic, level: f32, first: f32, last: f32) -> f32 {
     return s;
 }
 
-// The time after s = 1 at which the cubic's continuation comes to one of two values, `low` and `high`, between which it is at 1: by
-// the parabola that touches the cubic there, and one step of Newton's method. NEVER if it is not between them, or moves to neither.
+// The time from s = 1 until the cubic comes to `low` or to `high`. At s = 1 its value must be between them. The time is that of the
+// parabola that touches the cubic there, corrected by one step of Newton's method. The result is NEVER if the value is not between
+// them or moves to neither.
 fn beyond(cubic: Cubic, low: f32, high: f32) -> f32 {
     let value = cubic.c0 + cubic.c1 + cubic.c2 + cubic.c3;
     let rate = fma(3.0, cubic.c3, fma(2.0, cubic.c2, cubic.c1));

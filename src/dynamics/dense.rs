@@ -6,7 +6,7 @@ use super::radau::NODES;
 use crate::lanes::{Mask, Real};
 
 /// Stands for a time that does not come.
-pub const NEVER: f64 = 1e30;
+const NEVER: f64 = 1e30;
 
 /// value(s) = c0 + c1 s + c2 s^2 + c3 s^3 for s from 0 to 1, the step's start and end.
 #[derive(Clone, Copy, Debug)]
@@ -71,13 +71,14 @@ impl<R: Real> Cubic<R> {
     }
 
     /// The coefficients of its powers, from the constant on.
+    #[inline(always)]
     pub fn coefficients(&self) -> [R; 4] {
         self.coefficients
     }
 
-    /// The time after s = 1 at which the cubic's continuation comes to one of two values, `low` and `high`, between which it is at 1:
-    /// by the parabola that touches the cubic there, and one step of Newton's method. [`NEVER`] if it is not between them, or moves
-    /// to neither.
+    /// The time from s = 1 until the cubic comes to `low` or to `high`. At s = 1 its value must be between them. The time is that of
+    /// the parabola that touches the cubic there, corrected by one step of Newton's method. The result is very large, mostly 1e30, if
+    /// the value is not between them or moves to neither.
     #[inline(always)]
     pub fn beyond(&self, [low, high]: [R; 2]) -> R {
         let [c0, c1, c2, c3] = self.coefficients;

@@ -326,7 +326,8 @@ fn nothing_is_decided_before_the_ramp_of_the_fit_has_ended() {
     assert!((at_once.lyapunov - ramped.lyapunov).abs() < 1e-4, "{measured:?}");
 }
 
-/// A bush on a shaft that is still cold may move chaotically where it does not on a warm one. Here the heat hardly matters.
+/// A motion may be chaotic while the shaft is cold, and regular once it is warm. The heat of these points is too small to change
+/// their motion: `slow` differs from `at_once` only by the time in which the shaft warms up.
 #[test]
 fn chaos_is_not_decided_before_the_shaft_is_warm() {
     let chaotic = [4.2, 4.25, 4.3].map(|zeta_k| heated(zeta_k, 1e-5));

@@ -266,7 +266,7 @@ fn the_modes_agree_with_finite_volumes_and_with_the_volterra_integral() {
 
 #[test]
 fn modes_and_tolerance_converge() {
-    // several, since one of them may be met by chance
+    // several points, since the error of a single one may be small by chance
     let worn = [3.5, 3.7, 3.9, 4.1, 4.3].map(paper);
     let instances: Vec<_> = worn.into_iter().chain([paper(3.5).with(Parameter::KW, 0.0)]).collect();
     let with = |modes, tolerance| {

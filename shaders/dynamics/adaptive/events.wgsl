@@ -5,7 +5,8 @@
 // one reach beyond the boundary. An orbit on its way out changes to the next piece from one reach before the boundary on.
 override CUT: f32;
 
-// A boundary that is foreseen at this many steps or less is reached in one step, and one at up to two steps in two equal ones.
+// A step may be this many times as long as its error allows, if it then ends at a boundary. A boundary that is farther, but nearer
+// than two steps, is reached in two steps of equal length.
 override STRETCH: f32;
 
 // Stands for infinity: bounds of a sliding velocity that meets no boundary.
@@ -85,7 +86,7 @@ fn orbit_landing(orbit: ptr<function, Orbit>, rubbing: Rubbing, sliding: Cubic, 
     let bounds = orbit_bounds(orbit, rubbing);
     let reach = run.reach * rubbing.epsilon_0;
     let ahead = ticks * beyond(sliding, bounds[0] - reach, bounds[1] + reach);
-    // not in a step and a very short one
+    // two equal steps, in place of a whole one and a very short one
     return select(min(0.5 * ahead, free), ahead, ahead < STRETCH * free);
 }
 

@@ -18,7 +18,7 @@ override REJECTED: f32;
 // The next step is this part of the step that would have just the tolerated error.
 override SAFETY: f32;
 
-// A step is at most this number of times as long as the one before.
+// The error allows a step to be at most this number of times as long as the one before.
 override LONGER: f32;
 
 // The drive over a step, and the growth of its phase as a rotation.
@@ -36,8 +36,8 @@ struct Rotation {
 // Tries one step; `carries` tells whether a tangent vector is carried along.
 fn orbit_pass(orbit: ptr<function, Orbit>, system: System, carries: bool) {
     let rubbing = system.rubbing;
-    // what is left of the period is divided into steps of the same length, so that no very short one remains: the guess that would
-    // come from it is lost in rounding
+    // The last two steps of a period share what is left. A very short last step would give a bad guess for the next one: its
+    // accelerations differ by little more than rounding.
     let left = f32((*orbit).left);
     let step = select(min((*orbit).step, 0.5 * left), left, left < (*orbit).step);
     let ticks = min(u32(step), (*orbit).left);
@@ -147,14 +147,14 @@ fn swing_step(orbit: ptr<function, Orbit>, rubbing: Rubbing) -> f32 {
 // `start` and had the length `ticks`.
 fn give_up(orbit: ptr<function, Orbit>, system: System, start: Start, ticks: f32) {
     let y = fma(system.rubbing.zeta_k, (*orbit).sine, system.rubbing.omega_k) - (*orbit).v;
-    let pressed = is_below(abs((*orbit).heat_pressure), PRESSURE_BOUND);
-    if (!pressed || has_run_away((*orbit).x, y)) {
+    let is_pressure_bounded = is_below(abs((*orbit).heat_pressure), PRESSURE_BOUND);
+    if (!is_pressure_bounded || has_run_away((*orbit).x, y)) {
         (*orbit).runaway = 1u;
         // what reaches its bound, |x| + |y| or the pressure, grows nearly as an exponential over this step
         let size_before = abs(start.x) + abs(start.shaft_speed - start.v);
-        let before = select(abs(start.heat.pressure), size_before, pressed);
-        let to = select(abs((*orbit).heat_pressure), abs((*orbit).x) + abs(y), pressed);
-        let bound = select(PRESSURE_BOUND, RUNAWAY_BOUND, pressed);
+        let before = select(abs(start.heat.pressure), size_before, is_pressure_bounded);
+        let to = select(abs((*orbit).heat_pressure), abs((*orbit).x) + abs(y), is_pressure_bounded);
+        let bound = select(PRESSURE_BOUND, RUNAWAY_BOUND, is_pressure_bounded);
         let part = clamp(log(bound / before) / log(to / before), 0.0, 1.0);
         (*orbit).runaway_phase = 1.0 - (f32((*orbit).left) + (1.0 - part) * ticks) / f32(TICKS);
         (*orbit).left = 0u;

@@ -16,8 +16,8 @@ use crate::model::rubbing::{NO_LAYER, Rubbing};
 /// reach before the boundary. Between these limits v may turn back without switching to and fro.
 pub const CUT: f64 = 4.0;
 
-/// A boundary of the friction layer that is foreseen at this many steps or less is reached in one step, and one at up to two steps in
-/// two equal ones.
+/// A step may be this many times as long as its error allows, if it then ends at a boundary of the friction layer. A boundary that is
+/// farther, but nearer than two steps, is reached in two steps of equal length.
 pub const STRETCH: f64 = 1.1;
 
 /// Stands for infinity: the bound of a sliding velocity that meets no boundary.
@@ -102,7 +102,7 @@ impl<R: Real> Orbit<R> {
         let [low, high] = self.bounds(rubbing);
         let reach = control.reach * rubbing.epsilon_0;
         let ahead = ticks * sliding.beyond([low - reach, high + reach]);
-        // not in a step and a very short one
+        // two equal steps, in place of a whole one and a very short one
         let half = R::splat(0.5) * ahead;
         let next = R::select(half.less(free), half, free);
         R::select(ahead.less(R::splat(STRETCH) * free), ahead, next)

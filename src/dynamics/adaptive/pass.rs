@@ -36,8 +36,8 @@ pub const REJECTED: f64 = 0.8;
 /// The next step is this part of the step that would have just the tolerated error.
 pub const SAFETY: f64 = 0.8;
 
-/// A step is at most this number of times as long as the one before. It is large because a step that ends at a boundary of the
-/// friction layer may be much shorter than its error allows.
+/// The error allows a step to be at most this number of times as long as the one before. The number is large, because a step that
+/// ends at a boundary of the friction layer may be much shorter than its error allows.
 pub const LONGER: f64 = 10.0;
 
 impl<R: Real> Orbit<R> {
@@ -56,8 +56,8 @@ impl<R: Real> Orbit<R> {
         let left = R::from_ticks(self.left);
         let running = R::splat(0.5).less(left);
         // lanes that wait for others try a short step, which is not accepted
-        // what is left of the period is divided into steps of the same length, so that no very short one remains: the guess that would
-        // come from it is lost in rounding
+        // The last two steps of a period share what is left. A very short last step would give a bad guess for the next one: its
+        // accelerations differ by little more than rounding.
         let step = R::select(left.less(self.step), left, self.step.min(R::splat(0.5) * left));
         let ticks = R::from_ticks(step.to_ticks().least(self.left));
         let ticks = R::select(running, ticks, R::splat(FIRST_PART_OF_PERIOD * R::PERIOD_TICKS));
@@ -98,11 +98,15 @@ impl<R: Real> Orbit<R> {
         let [constant, first, second, third] = Cubic::new(start.acceleration, trial.acceleration).coefficients();
         let inverse_h = one / h;
         let square = inverse_h * inverse_h;
-        let guess = [constant, first * inverse_h, second * square, third * square * inverse_h];
-        let forgotten = [start.acceleration, zero, zero, zero];
+        let known = |coefficient| R::select(trial.converged, coefficient, zero);
+        let guess = [
+            constant,
+            known(first * inverse_h),
+            known(second * square),
+            known(third * square * inverse_h),
+        ];
         for k in 0..4 {
-            let next = R::select(trial.converged, guess[k], forgotten[k]);
-            self.guess[k] = R::select(running, next, self.guess[k]);
+            self.guess[k] = R::select(running, guess[k], self.guess[k]);
         }
         self.since = R::select(running, R::select(accepted, h, zero), self.since);
 
@@ -203,8 +207,8 @@ impl<R: Real> Orbit<R> {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         // written so that a lane with NaN is given up
         let size = self.x.abs() + self.y(system).abs();
-        let pressed = self.heat.pressure.abs().less(R::splat(PRESSURE_BOUND));
-        let bounded = pressed.and(size.less(R::splat(RUNAWAY_BOUND)));
+        let is_pressure_bounded = self.heat.pressure.abs().less(R::splat(PRESSURE_BOUND));
+        let bounded = is_pressure_bounded.and(size.less(R::splat(RUNAWAY_BOUND)));
         let steps = R::splat(f64::from(SHORTEST_STEP)).less(self.step);
         let fine = bounded.and(steps);
         if fine.all() {
@@ -215,9 +219,9 @@ impl<R: Real> Orbit<R> {
         let ran_away = R::select(bounded, zero, lost);
         // what reaches its bound, |x| + |y| or the pressure, grows nearly as an exponential over this step
         let size_before = start.x.abs() + (start.shaft_speed - start.v).abs();
-        let from = R::select(pressed, size_before, start.heat.pressure.abs());
-        let to = R::select(pressed, size, self.heat.pressure.abs());
-        let bound = R::select(pressed, R::splat(RUNAWAY_BOUND), R::splat(PRESSURE_BOUND));
+        let from = R::select(is_pressure_bounded, size_before, start.heat.pressure.abs());
+        let to = R::select(is_pressure_bounded, size, self.heat.pressure.abs());
+        let bound = R::select(is_pressure_bounded, R::splat(RUNAWAY_BOUND), R::splat(PRESSURE_BOUND));
         let part = ((bound / from).ln() / (to / from).ln()).max(zero).min(one);
         let since = (one - part) * ticks + left;
         let phase = (R::splat(self.to) - since) * R::splat(1.0 / R::PERIOD_TICKS);

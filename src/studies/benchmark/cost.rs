@@ -54,8 +54,8 @@ pub fn cost(backend: &mut dyn Backend, settings: &Settings, points: &[ParameterS
     let transient = instance_periods(settings.sampling.transient_periods);
     let all = transient + instance_periods(settings.sampling.periods);
     let instances = Instance::starts(points);
-    // the time is taken where the last period ends: the search for cycles, which may follow, takes as long after few periods as
-    // after many
+    // The time is taken where the last period ends. A search for cycles may follow, which takes as long after few periods as after
+    // many.
     let (mut done, mut halfway, mut whole) = (0, Duration::ZERO, Duration::ZERO);
     let started = Instant::now();
     measure_batch(backend, &settings, &instances, &mut |instance_periods| {
