@@ -227,7 +227,7 @@ const RUST_ONLY: &[(&str, &str, &str)] = &[
         "the host tells the shader when the window begins",
     ),
     ("dynamics/stroboscope", "most_states", "the host sizes the buffer"),
-    ("dynamics/stroboscope", "repeats_after_one", "threads have no lanes"),
+    ("dynamics/stroboscope", "periods", "threads have no lanes"),
     ("dynamics/stroboscope", "default", "the host allocates the states"),
 ];
 

@@ -58,33 +58,37 @@ impl<R: Real> Stroboscope<R> {
         self.states.push([x, y]);
     }
 
-    /// Which lanes have period 1, computed for all lanes at once: this period is the most frequent one, and comparing its states
-    /// takes longest.
+    /// [`period_of`] in every lane: two states agree if their x and their y differ by less than `tolerance`. All lanes are compared
+    /// together, which is faster than one after the other although most of them are decided soon.
     #[inline(always)]
-    pub fn repeats_after_one(&self, tolerance: R) -> R::Mask {
+    pub fn periods(&self, max_period: u32, tolerance: R) -> Vec<Option<u32>> {
         let window = self.states.len();
-        let first = window - span_of(1, window as u32) as usize;
-        let mut same = R::splat(0.0).less(R::splat(f64::from(u8::from(window > 1))));
-        for pair in self.states[first..].windows(2) {
-            let [x, y] = [0, 1].map(|i| (pair[1][i] - pair[0][i]).abs().less(tolerance));
-            same = same.and(x).and(y);
+        let mut periods = vec![None; R::LANES];
+        for k in 1..=(max_period as usize).min(window / 2) {
+            let first = window - span_of(k as u32, window as u32) as usize;
+            let mut same = R::splat(0.0).less(R::splat(1.0));
+            for n in (first + k..window).rev() {
+                let [x, y] = [0, 1].map(|i| (self.states[n][i] - self.states[n - k][i]).abs().less(tolerance));
+                same = same.and(x).and(y);
+                if !(0..R::LANES).any(|lane| periods[lane].is_none() && same.lane(lane)) {
+                    break;
+                }
+            }
+            for (lane, period) in periods.iter_mut().enumerate() {
+                *period = period.or_else(|| same.lane(lane).then_some(k as u32));
+            }
+            if periods.iter().all(Option::is_some) {
+                break;
+            }
         }
-        same
-    }
-
-    /// [`period_of`] in one lane: two states agree if their x and their y differ by less than `tolerance`.
-    pub fn period_of(&self, lane: usize, max_period: u32, tolerance: f64) -> Option<u32> {
-        let state = |n: u32| self.states[n as usize].map(|value| value.lane(lane));
-        period_of(self.states.len() as u32, max_period, |n, before| {
-            let ([x, y], [x_before, y_before]) = (state(n), state(before));
-            (x - x_before).abs() < tolerance && (y - y_before).abs() < tolerance
-        })
+        periods
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::Pair;
 
     fn found(max_period: u32, states: impl Fn(u32) -> (f64, f64)) -> Option<u32> {
         let mut stroboscope = Stroboscope::default();
@@ -92,7 +96,7 @@ mod tests {
             let (x, y) = states(n);
             stroboscope.record(x, y);
         }
-        stroboscope.period_of(0, max_period, 1e-4)
+        stroboscope.periods(max_period, 1e-4)[0]
     }
 
     #[test]
@@ -104,6 +108,17 @@ mod tests {
             }
             assert_eq!(found(max_period, |n| (f64::from(n % (max_period + 1)), 0.0)), None);
         }
+    }
+
+    #[test]
+    fn every_lane_has_its_own_period() {
+        let mut stroboscope = Stroboscope::<Pair<Pair<f64>>>::default();
+        for n in 0..window(u32::MAX, 64) {
+            let lengths = [3, 6, u32::MAX, 1];
+            stroboscope.record(Real::from_lanes(|lane| f64::from(n % lengths[lane])), Real::splat(0.0));
+        }
+        let periods = stroboscope.periods(64, Real::splat(1e-4));
+        assert_eq!(periods, [Some(3), Some(6), None, Some(1)]);
     }
 
     #[test]

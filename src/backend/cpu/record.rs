@@ -106,27 +106,9 @@ impl<R: Real> Record<R> {
         if index >= measuring.unrecorded {
             self.stroboscope.record(x, y);
             if index + 1 == measuring.periods {
-                self.find_periods(measuring);
+                let tolerance = R::splat(measuring.period_tolerance);
+                self.motion_periods = self.stroboscope.periods(measuring.max_period, tolerance);
             }
-        }
-    }
-
-    #[inline(always)]
-    fn find_periods(&mut self, measuring: &Measuring) {
-        let Measuring {
-            max_period,
-            period_tolerance,
-            ..
-        } = *measuring;
-        // period 1 is looked for in all lanes at once; of the others, most have a short period or none, and their last states
-        // show which
-        let repeats = self.stroboscope.repeats_after_one(R::splat(period_tolerance));
-        for (lane, period) in self.motion_periods.iter_mut().enumerate() {
-            *period = if repeats.lane(lane) {
-                Some(1)
-            } else {
-                self.stroboscope.period_of(lane, max_period, period_tolerance)
-            };
         }
     }
 
