@@ -58,8 +58,8 @@ impl<R: Real> Stroboscope<R> {
         self.states.push([x, y]);
     }
 
-    /// [`period_of`] in every lane: two states agree if their x and their y differ by less than `tolerance`. All lanes are compared
-    /// together, which is faster than one after the other although most of them are decided soon.
+    /// [`period_of`] in every lane. Two states agree if their x and their y differ by less than `tolerance`. The states of all lanes
+    /// are compared together, because it takes long to read single lanes of a vector.
     #[inline(always)]
     pub fn periods(&self, max_period: u32, tolerance: R) -> Vec<Option<u32>> {
         let window = self.states.len();
